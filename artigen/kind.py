@@ -173,6 +173,8 @@ class Kind(Category):
     """Usual widths, depths and heights (m) by nouns that say more than the kind: a desk among tables."""
     sizes: Spans
     """Plausible widths, depths and heights (m) of closed objects; a request outside of them is an error."""
+    bare: Literal["width", "height"] | None
+    """What a length without a direction measures: "a 60 cm dishwasher"; None for something else."""
     make: Make
     makes: Mapping[str, Make]
     """Makes of the styles that differ."""

@@ -5,7 +5,7 @@
 
 Every picture of the folder is taken through ``artigen scene kitchen --image`` with one seed, in the order of
 their names; nothing is picked. Without photographs that may be shown, ``--own`` renders kitchens of our own
-seeds from their entrances instead. Writes ``photo_rooms.png``, each picture beside the room, and prints for
+seeds from their entrances instead. Writes ``photo_rooms.jpg``, each picture beside the room, and prints for
 each what was built, how many packages pass every check, and what is missing."""
 
 import json
@@ -103,7 +103,7 @@ def main(
     rows[-1] = np.pad(
         rows[-1], ((0, 0), (0, rows[0].shape[1] - rows[-1].shape[1]), (0, 0)), constant_values=255
     )
-    save_picture(np.vstack(rows), out / "photo_rooms.png")
+    save_picture(np.vstack(rows), out / "photo_rooms.jpg")
     return 0
 
 

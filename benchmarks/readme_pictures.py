@@ -1,4 +1,4 @@
-"""Draws README's pictures of generated objects anew with the shipped model.
+"""Draws README's pictures of generated objects anew with the shipped model, sheets in catalogue light.
 
     python benchmarks/readme_pictures.py --out out/readme
 
@@ -51,7 +51,7 @@ EACH = 2
 """Objects of each category on the sheet."""
 PHOTOGRAPH = 220
 """Edge of a photograph in pixels."""
-SMALL = PreviewConfig(viewpoint=Viewpoint(width=220, height=220))
+SMALL = PreviewConfig(viewpoint=Viewpoint(width=220, height=220), light="catalogue")
 """How the objects of sheets are seen."""
 
 
@@ -116,7 +116,7 @@ def show_photographs(
 
 def draw_kinds() -> UInt8[np.ndarray, "H W 3"]:
     """The first seed of every kind of the grammar, open."""
-    cells = [artigen.sample(kind, 0).render(SMALL.viewpoint, q=0.8) for kind in kinds()]
+    cells = [artigen.sample(kind, 0).render(SMALL.viewpoint, q=0.8, light=SMALL.light) for kind in kinds()]
     return arrange_grid(cells, PreviewConfig(columns=6))
 
 
@@ -127,21 +127,21 @@ def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> 
         out: Folder for the packages.
         images: Folder for the pictures.
     """
-    save_picture(draw_kinds(), images / "kinds.png")
+    save_picture(draw_kinds(), images / "kinds.jpg")
     sheet = draw_categories(out / "categories")
-    save_picture(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
+    save_picture(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.jpg")
     further = draw_further_kinds(out / "kinds")
     wide = replace(SMALL, columns=4)
     save_picture(
-        contact_sheet([read_package(folder) for folder in further], wide), images / "generated_kinds.png"
+        contact_sheet([read_package(folder) for folder in further], wide), images / "generated_kinds.jpg"
     )
     told = draw_sentences(out / "sentences")
     write_animation(told, images / "generated.gif", draw_splats=draw_splats)
-    save_picture(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
+    save_picture(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.jpg")
     placed = draw_places(out / "places")
-    save_picture(contact_sheet([read_package(folder) for folder in placed], wide), images / "said.png")
+    save_picture(contact_sheet([read_package(folder) for folder in placed], wide), images / "said.jpg")
     shown = draw_photographs(out / "photographs")
-    save_picture(show_photographs(shown), images / "photos.png")
+    save_picture(show_photographs(shown), images / "photos.jpg")
     for folder in (*sheet, *further, *told, *placed, *(package for _, package in shown)):
         report = json.loads((folder / "validation.json").read_text())
         print(f"{folder}: {'passes' if report['passed'] else 'fails'}")

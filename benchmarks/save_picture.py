@@ -1,4 +1,4 @@
-"""Pictures of the documentation as small PNG files."""
+"""Pictures of the documentation as small files."""
 
 from pathlib import Path
 
@@ -8,7 +8,5 @@ from PIL import Image
 
 
 def save_picture(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
-    """Writes a picture in 256 dithered colours: half of the bytes; a palette alone shows bands on wood."""
-    full = Image.fromarray(image)
-    small = full.quantize(palette=full.quantize(256), dither=Image.Dither.FLOYDSTEINBERG)
-    small.save(path, optimize=True)
+    """Writes a picture as a JPEG, which keeps the shades that 256 colours lose."""
+    Image.fromarray(image).save(path, quality=88, optimize=True, progressive=True)

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 
 from artigen.api.batch import run_with_progress
 from artigen.api.generate import GenerateJob, GenerateSettings, generate_and_validate
-from artigen.api.scene import PACKAGES, Furnished, SceneFormat, SceneSettings, furnish_room
+from artigen.api.scene import PACKAGES, Furnished, Pictures, SceneFormat, SceneSettings, furnish_room
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
 from artigen.weights import SHIPPED
 
 if TYPE_CHECKING:
-    from typing import Literal
-
     from artigen.reader.wall.units import Unit, Wall
 
 READINGS = "readings"
@@ -43,7 +41,7 @@ def furnish_photographed(
     cfg: SceneSettings | None = None,
     *,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: "Literal['all', 'plan', 'none']" = "all",
+    pictures: Pictures = "all",
     runner: Runner | None = None,
 ) -> Photographed:
     """Reads the units along the wall of a kitchen, builds each of them, and orders them along a wall.

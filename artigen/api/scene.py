@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
+Pictures = Literal["all", "daylight", "plan", "none"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
 SPARE = 0.05
@@ -109,7 +110,7 @@ def furnish_room(
     cfg: SceneSettings | None = None,
     *,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["all", "plan", "none"] = "all",
+    pictures: Pictures = "all",
     runner: Runner | None = None,
 ) -> Furnished:
     """Furnishes a room or a flat in which every door and drawer opens; writes ``scene.json`` and pictures.
@@ -124,7 +125,8 @@ def furnish_room(
         cfg: Properties of the room.
         formats: Files besides ``scene.json``: ``mjcf`` is ``scene.xml`` for MuJoCo, ``usd`` is ``scene.usda``
             with an asset per package.
-        pictures: Pictures to render: all, the plan only, or none.
+        pictures: Pictures to render: all, all with those at eye level in daylight (Mitsuba 3, minutes),
+            the plan only, or none.
         runner: Where objects are sampled; default: one after the other in this process.
 
     Raises:
@@ -132,6 +134,7 @@ def furnish_room(
             usd-core is missing where it is needed.
     """
     from envs.rooms.catalogue import read_catalogue
+    from sim_export.picture.tracing import require_mitsuba
     from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
@@ -139,6 +142,8 @@ def furnish_room(
         raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(FAMILIES)}")
     if "usd" in formats:
         require_usd()
+    if pictures == "daylight":
+        require_mitsuba()
     cfg = replace(cfg, place=read_places(cfg.place))
     wanted = check_settings(kind, seed, cfg)
     if packages is not None and cfg.family is not None:
@@ -223,7 +228,7 @@ def furnish_from(
     cfg: SceneSettings,
     *,
     formats: tuple[SceneFormat, ...],
-    pictures: Literal["all", "plan", "none"],
+    pictures: Pictures,
 ) -> Furnished:
     """Furnishes a room or a flat from packages and writes it; arguments are those of `furnish_room`.
 
@@ -239,6 +244,7 @@ def furnish_from(
     from envs.goals.sample import GOALS, sample_goals
     from envs.rooms.file import write_room
     from envs.rooms.mjcf import write_room_mjcf
+    from envs.rooms.picture import draw_daylight, draw_view, write_plan, write_view, write_views
     from envs.rooms.populate import populate
     from envs.rooms.usd import write_room_usd
 
@@ -259,10 +265,14 @@ def furnish_from(
         write_room_mjcf(room, out)
     if "usd" in formats:
         write_room_usd(room, out)
-    if flat is None:
-        _draw(room, out, pictures)
+    draw = {"all": draw_view, "daylight": draw_daylight}.get(pictures)
+    if pictures != "none" and flat is not None:
+        write_flat_pictures(flat, room, out, draw)
     elif pictures != "none":
-        write_flat_pictures(flat, room, out, views=pictures == "all")
+        write_plan(room, out / "plan.png")
+    if draw is not None and flat is None:
+        write_view(room, out / "room.png")
+        write_views(room, out, draw)
     return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
 
 
@@ -353,13 +363,3 @@ def _jobs(roles: "Sequence[Role | Unit]", first: int, look: ShapeSettings, out: 
             wished = replace(look, depth=depth or None, width=width or None, height=height or None)
             jobs.append(ShapeJob(category=category, seed=first + len(jobs), out=out, cfg=wished))
     return jobs
-
-
-def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.rooms.picture import write_plan, write_view, write_views
-
-    if pictures != "none":
-        write_plan(room, out / "plan.png")
-    if pictures == "all":
-        write_view(room, out / "room.png")
-        write_views(room, out)

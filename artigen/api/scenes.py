@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from artigen.api.batch import Finished, Laps, Made, Part, make_supervised, run_with_progress
 from artigen.api.scene import (
+    Pictures,
     SceneFormat,
     SceneSettings,
     check_settings,
@@ -55,7 +56,7 @@ class SceneJob:
     packages: Path
     cfg: SceneSettings
     formats: tuple[SceneFormat, ...]
-    pictures: Literal["all", "plan", "none"]
+    pictures: Pictures
 
     @property
     def key(self) -> str:
@@ -79,7 +80,7 @@ def make_scenes(
     suites: int = 4,
     cfg: SceneSettings | None = None,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["all", "plan", "none"] = "plan",
+    pictures: Pictures = "plan",
     per_shard: int = 0,
     part: Part | None = None,
 ) -> str:

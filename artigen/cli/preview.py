@@ -1,13 +1,16 @@
 """`artigen preview`: pictures of packages."""
 
 from pathlib import Path
+from typing import Literal
 
 from artigen.api.splats import draw_splats
 from artigen.cli.arguments import Out, Packages
 from artigen.errors import ArtigenError
 
 
-def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
+def preview(
+    packages: Packages, out: Out = Path("preview.png"), light: Literal["quick", "catalogue"] = "quick"
+) -> int:
     """Render one package in detail (closed, open, exploded, collision) or several as a contact sheet.
 
     Gaussians, where a package has them, are shown below the meshes from the same cameras.
@@ -16,6 +19,7 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
         packages: Package folders, or folders that contain packages at any depth.
         out: File to write: a .png; a .gif of opening and closing; or, for one package, a .glb with its
             textured meshes and one node per link.
+        light: Light of a .png: quick, or that of a catalogue (needs Mitsuba 3, and seconds to minutes).
     """
     from sim_export.files.folders import find_packages
 
@@ -35,7 +39,7 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
 
         write_animation(packages, out, draw_splats=draw_splats)
         return 0
-    from sim_export.picture.preview import write_preview
+    from sim_export.picture.preview import PreviewConfig, write_preview
 
-    write_preview(packages, out, draw_splats=draw_splats)
+    write_preview(packages, out, PreviewConfig(light=light), draw_splats=draw_splats)
     return 0

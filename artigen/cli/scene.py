@@ -2,12 +2,11 @@
 
 import sys
 from pathlib import Path
-from typing import Literal
 
 import tyro
 
 from artigen.api.photo_room import furnish_photographed
-from artigen.api.scene import SceneFormat, SceneSettings, furnish_room
+from artigen.api.scene import Pictures, SceneFormat, SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -24,7 +23,7 @@ def scene(
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
     image: Path | None = None,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["all", "plan", "none"] = "all",
+    pictures: Pictures = "all",
     workers: Workers = None,
 ) -> int:
     """Furnish a room or flat in which every door and drawer opens; writes scene.json, scene.xml and pictures.
@@ -41,7 +40,8 @@ def scene(
             along a wall as they were seen.
         formats: Files besides scene.json: mjcf is scene.xml for MuJoCo; usd is scene.usda and an asset per
             package.
-        pictures: Pictures to render: all, the plan only, or none.
+        pictures: Pictures to render: all, all with those at eye level in daylight (needs Mitsuba 3, and
+            minutes), the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.
     """
     runner = choose_runner("local", workers)

@@ -2,12 +2,11 @@
 
 import sys
 from pathlib import Path
-from typing import Literal
 
 import tyro
 
 from artigen.api.batch import read_shard
-from artigen.api.scene import SceneFormat, SceneSettings
+from artigen.api.scene import Pictures, SceneFormat, SceneSettings
 from artigen.api.scenes import make_scenes
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.runtime.runner import choose_runner
@@ -25,7 +24,7 @@ def scenes(
     suites: int = 4,
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["all", "plan", "none"] = "plan",
+    pictures: Pictures = "plan",
     per_shard: int = 0,
     workers: Workers = None,
     runner: RunnerChoice = "local",

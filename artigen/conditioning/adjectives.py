@@ -1,13 +1,14 @@
 """Reads "tall", "large" and "round" where they describe the whole object."""
 
 from artigen.conditioning.colors import is_noun
+from artigen.conditioning.measures import ADJECTIVES, AXES, SCALES
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, AXES, GLOSSES, LEGS, OUTLINES, PARTS, PIECES, SCALES
+from artigen.conditioning.vocabulary import FILLERS, GLOSSES, LEGS, OUTLINES, PARTS, PIECES
 
-COMPARED = 4
-"""Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
+COPULAS = frozenset({"is", "are", "be", "should", "must", "very", "quite"})
+"""Words between a noun and an adjective after it."""
 
 
 def read_adjectives(parse: Parse) -> Parse:
@@ -15,7 +16,7 @@ def read_adjectives(parse: Parse) -> Parse:
     parse = _read_gloss(parse)
     for at, word in enumerate(parse.words):
         counted = at > 0 and parse.words[at - 1][0].isdigit()
-        compared = bool({"than", "as"} & set(parse.words[max(0, at - COMPARED) : at]))
+        compared = at > 0 and parse.words[at - 1] in ("than", "as")
         if word not in ADJECTIVES or at in parse.used or counted or compared or _describes_part(parse, at):
             continue
         axis, factor = ADJECTIVES[word]
@@ -44,7 +45,16 @@ def _read_gloss(parse: Parse) -> Parse:
 
 
 def _describes_part(parse: Parse, at: int) -> bool:
-    """Whether the next noun after an adjective is a part, or what is not known: "an oval seat"."""
+    """Whether an adjective is of a part, or of what is not known: "an oval seat", "a window big", and
+    "for a small flat I need a fridge"."""
+    words = parse.words
+    noun = next((place for place in range(at - 1, -1, -1) if words[place] not in COPULAS), 0)
+    ends = words[at + 1 : at + 2] in ((), (",",), ("and",)) or noun < at - 1 or words[at] == "high"
+    if ends and noun not in parse.head:
+        return words[noun] in {*PARTS, *PIECES, *LEGS} or is_noun(words, noun)
+    nouns = [place for place in range(at + 1, parse.head.start) if is_noun(words, place)]
+    if nouns and {*words[nouns[0] + 1 : parse.head.start]} & FILLERS:
+        return True
     if at > parse.head.start and is_noun(parse.words, at + 1):
         return True
     for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):

@@ -3,43 +3,41 @@
 from dataclasses import dataclass, replace
 
 from artigen.conditioning.adjectives import read_adjectives
-from artigen.conditioning.colors import read_finishes
+from artigen.conditioning.colors import is_compound, read_finishes
 from artigen.conditioning.counts import read_counts, read_objects
+from artigen.conditioning.measures import SCALES
 from artigen.conditioning.nouns import find_head
-from artigen.conditioning.numbers import read_length, read_number, split_words
+from artigen.conditioning.numbers import read_number
+from artigen.conditioning.paints import MATERIALS, PAINTS, PANES, SHADES
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
-from artigen.conditioning.places import starts_spot
+from artigen.conditioning.proportions import read_proportions
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
 from artigen.conditioning.sizes import order_product, read_bare_sizes, read_sizes, read_volume
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
-    COMPARATIVES,
-    COMPARTMENTS,
     EXCLUSIVE,
     FEATURES,
     GLAZED,
     LEGS,
     LEVEL,
-    MATERIALS,
-    PAINTS,
-    PANES,
     PARTS,
     PIECES,
-    SCALES,
-    SHADES,
     STACKED,
     STYLES,
     Feature,
     count_longest,
 )
-from artigen.kind import EVERY, NONE, find_noun, plurals
+from artigen.conditioning.wording import plain_words
+from artigen.kind import EVERY, NONE, find_noun
 from artigen.types import PartLabel
 
 LONGEST = count_longest(FEATURES)
 """Words of the longest phrase of features."""
 FEATURES_OF = {style: feature for feature, style in STYLES.items()}
 """Features that are styles of some kinds, by those."""
+NEXT = frozenset({",", "but", "and", "with"})
+"""Words before which a denial ends."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,38 +58,21 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
     Raises:
         TextError: If it names two kinds, or gives a number, length, style or colour twice.
     """
-    parse = Parse(words=_name_shelves(_spell_out(split_words(text))), whole=whole)
-    for read in (read_sizes, read_volume, _read_kind, order_product, _read_style, _read_features, read_counts,
-                 _place_panes, read_objects, read_bare_sizes, _read_colors, read_adjectives, _read_parts,
-                 _agree):  # fmt: skip
+    parse = Parse(words=plain_words(text), whole=whole)
+    for read in (_lose_negated, read_sizes, read_volume, _read_kind, order_product, _read_style,
+                 _read_features, read_counts, _place_panes, read_objects, read_bare_sizes, read_proportions,
+                 _read_colors, read_adjectives, _read_parts, _agree):  # fmt: skip
         parse = read(parse)
     return replace(parse.found, ignored=list_ignored(parse))
 
 
-def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
-    """Words with "taller than a metre" as "more than a metre tall", and "not handles" as "no handles"."""
-    spelled = list(words)
-    for at in range(len(words) - 2, -1, -1):  # from the end, so that places before stay
-        word, after = words[at : at + 2]
-        if word == "not" and after in PARTS:
-            spelled[at] = "no"
-        length = read_length(words, at + 2) if word in COMPARATIVES and after == "than" else None
-        if length is not None:
-            spelled[at], direction = COMPARATIVES[word]
-            spelled.insert(at + 2 + length[1], direction)
-    return tuple(spelled)
-
-
-def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
-    """Words with "open compartment" and the like as the open shelf that they are."""
-    nouns = dict.fromkeys(COMPARTMENTS, "shelf") | dict.fromkeys(plurals(*COMPARTMENTS).values(), "shelves")
-    named = list(words)
-    for at, word in enumerate(words):
-        if at and words[at - 1] == "open":
-            named[at] = nouns.get(word, word)
-        elif word == "open" and at and words[at - 1] in (",", "with", "and") and starts_spot(words, at + 1):
-            named[at] = "shelf"  # "open in the middle"
-    return tuple(named)
+def _lose_negated(parse: Parse) -> Parse:
+    """What "not" denies, to the end of its clause, is not understood: "not white", "not too big"."""
+    for at, word in enumerate(parse.words):
+        if word == "not":
+            ends = (end for end in range(at, len(parse.words)) if parse.words[end] in NEXT)
+            parse = parse.lose(at, next(ends, len(parse.words)) - at)
+    return parse
 
 
 def _read_kind(parse: Parse) -> Parse:
@@ -181,7 +162,8 @@ def _read_features(parse: Parse) -> Parse:
                 for place in (at - 1, at + count)
                 if words[place : place + 1] and words[place] in PARTS
             ]
-            label = near[0] if at and near else "door"
+            before = [PARTS[word] for word in words[:at] if word in PARTS]
+            label = near[0] if at and near else before[-1] if feature == STACKED and before else "door"
             if feature == STACKED:
                 feature = (label, "columns", "1")
             elif feature == LEVEL and label != "door":  # "two drawers side by side"
@@ -208,12 +190,13 @@ def _place_panes(parse: Parse) -> Parse:
     """Keeps panes to the doors of a place where others have none: "two glass doors over two solid doors"."""
     found, counted = parse.found, dict(parse.found.counts).get("door", 0)
     glazed = [place for place in found.places if place.pane]
-    mixed = counted > sum(place.count or counted for place in glazed)
+    pairs = zip(parse.words, parse.words[1:], strict=False)
+    solid = [at for at, pair in enumerate(pairs) if pair in (("solid", "door"), ("solid", "doors"))]
+    mixed = bool(solid) or counted > sum(place.count or counted for place in glazed)
     if not glazed or not mixed:
         return parse.say(places=tuple(replace(place, pane=False) for place in found.places))
-    nouns = {at for at, word in enumerate(parse.words) if word in ("door", "doors")}
-    for at, word in enumerate(parse.words):
-        parse = parse.take(at) if word == "solid" and at + 1 in nouns else parse
+    for at in solid:
+        parse = parse.take(at)
     style = None if found.style == STYLES[GLAZED] else found.style
     return parse.say(style=style, features=tuple(one for one in found.features if one != GLAZED))
 
@@ -235,7 +218,7 @@ def _read_parts(parse: Parse) -> Parse:
         PARTS[target] for target, _ in (*parse.found.colors, *parse.found.materials) if target in PARTS
     }
     for at, word in enumerate(parse.words):
-        if word in PARTS and at not in parse.head:
+        if word in PARTS and at not in parse.head and not is_compound(parse.words, at):
             opened = at > 0 and parse.words[at - 1] == "open" and PARTS[word] == "shelf"
             parse = parse.take(at - 1, 2) if opened else parse.take(at)
             labels.add(PARTS[word])
@@ -253,12 +236,9 @@ def _read_parts(parse: Parse) -> Parse:
 
 
 def _say_legs(parse: Parse, at: int) -> Parse:
-    """Legs or feet that are named, with their number before them: the object stands on legs."""
-    number = next(
-        (place for place in (at - 1, at - 2) if place >= 0 and place not in parse.used
-         and read_number(parse.words, place) is not None),
-        None,
-    )  # fmt: skip
+    """Legs or feet that are named, four if they are counted: the object stands on legs."""
+    places = (place for place in (at - 1, at - 2) if place >= 0 and place not in parse.used)
+    number = next((place for place in places if read_number(parse.words, place) == (4.0, 1)), None)
     parse = parse.take(at) if number is None else parse.take(at).take(number)
     if any(part == "stand" for part, *_ in parse.found.features):
         return parse

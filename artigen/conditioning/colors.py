@@ -4,31 +4,29 @@ from dataclasses import replace
 
 import numpy as np
 
+from artigen.conditioning.measures import ADJECTIVES, SCALES, UNITS
 from artigen.conditioning.numbers import read_number
+from artigen.conditioning.paints import MATERIALS, PAINTS, PLAIN, SHADES, SURFACES, Stuff
 from artigen.conditioning.sentence import OBJECT, TextError
 from artigen.conditioning.vocabulary import (
-    ADJECTIVES,
     CLAUSES,
     FEATURES,
     FILLERS,
     LEGS,
-    MATERIALS,
-    PAINTS,
     PARTS,
     PIECES,
-    PLAIN,
+    RACKS,
     RELATIONS,
-    SCALES,
-    SHADES,
     SPOTS,
-    SURFACES,
-    Stuff,
 )
 from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4
 """Largest number of words between a colour and its noun."""
-LINKS = {"in", "of", "are", "is", "painted", "finished", "made", "from", "coloured", "colored", "all"}
+LINKS = {
+    "in", "of", "are", "is", "be", "should", "must", "painted", "finished", "made", "from", "coloured",
+    "colored", "all",
+}  # fmt: skip
 """Words between a noun and a colour after it."""
 ENDS = {",", "with", "without", "in", "on", "of", "for", "but"}
 """Words that a colour does not reach across."""
@@ -53,17 +51,31 @@ def read_finishes(
     read = set(used)
     at = 0
     while at < len(words):
-        count = _measure(words, at)
+        count = measure_finish(words, at)
+        stuff = find_stuff(words[at])
+        if (
+            count == 1
+            and stuff is not None
+            and stuff.kind == "stone"
+            and {*words[at + 1 : at + 2]} & {*PAINTS}
+        ):
+            count = 0  # "slate grey"
         if not count or at in used:
             at += 1
             continue
         word = " ".join(words[at : at + count])
         table = colors if find_color_only(word) is not None else materials
-        target = _find_after(words, at + count, head)
-        if target is None and at > head.start and is_noun(words, at + count):
-            at += count  # "a mailbox with a red flag"
+        target = _find_after(words, at + count, head, used)
+        end = at + count
+        while target is None and end < len(words) and measure_finish(words, end):
+            end += measure_finish(words, end)
+        if target is None and at > head.start and is_noun(words, end):
+            at = end  # "a mailbox with a red plastic flag"
             continue
         target = target or _find_before(words, at, head, table)
+        if table.get(target, word) != word and words[at - 1] in ("or", "and"):
+            at += count  # "oak or walnut"
+            continue
         if table.get(target, word) != word:
             named = "the object" if target == OBJECT else f"the {target}"
             raise TextError(f"{table[target]} and {word} are asked for, both of {named}; name one")
@@ -102,7 +114,7 @@ def find_stuff(word: str) -> Stuff | None:
     return replace(stuff, color=_shade(stuff.color, shade))
 
 
-def _measure(words: tuple[str, ...], at: int) -> int:
+def measure_finish(words: tuple[str, ...], at: int) -> int:
     """Number of words of the colour or material at a place; 0 for none."""
     for count in (2, 1):
         word = " ".join(words[at : at + count])
@@ -117,7 +129,7 @@ def _name_target(words: tuple[str, ...], at: int, head: range) -> str | None:
     return PARTS.get(words[at]) or PIECES.get(words[at]) or ("leg" if words[at] in LEGS else None)
 
 
-def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
+def _find_after(words: tuple[str, ...], start: int, head: range, used: frozenset[int]) -> str | None:
     """What the next noun names, unless a clause ends before it."""
     for at in range(start, min(start + BETWEEN, len(words))):
         if words[at] in ENDS:
@@ -125,9 +137,7 @@ def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
         if words[at] == "and" and not _is_description(words, at + 1):
             return None
         target = _name_target(words, at, head)
-        if target is not None and not (
-            at + 1 in head and read_number(words, at - 1)
-        ):  # "white two-door cabinet"
+        if target is not None and not (at in used and at + 1 in head):  # "a white two-door cabinet"
             return target
     return None
 
@@ -140,6 +150,7 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
         *LEGS,
         *FILLERS,
         *SURFACES,
+        *UNITS,
         *ADJECTIVES,
         *SCALES,
         *SHADES,
@@ -151,15 +162,20 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
         at < len(words)
         and words[at].isalpha()
         and words[at] not in known
-        and not _measure(words, at)
+        and not measure_finish(words, at)
         and read_number(words, at) is None
         and not any(" ".join(words[at : at + count]) in {*FEATURES, *SPOTS} for count in range(1, 6))
     )
 
 
+def is_compound(words: tuple[str, ...], at: int) -> bool:
+    """Whether the noun of a part has another one before it with which it names something else."""
+    return words[at] in RACKS and at > 0 and is_noun(words, at - 1)
+
+
 def _is_description(words: tuple[str, ...], at: int) -> bool:
     """Whether a word after "and" goes on describing the same noun: "white and narrow fridge"."""
-    return at < len(words) and (words[at] in ADJECTIVES or _measure(words, at) > 0)
+    return at < len(words) and (words[at] in ADJECTIVES or measure_finish(words, at) > 0)
 
 
 def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, str]) -> str:
@@ -168,7 +184,8 @@ def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, 
     while place >= 0 and words[place] in LINKS:
         place -= 1
     link = words[place + 1 : at]
-    if place < 0 or not link:
+    named = place > 0 and words[place - 1] in ("the", "its")  # "make the handles black"
+    if place < 0 or not (link or named):
         return OBJECT
     target = _name_target(words, place, head)
     if link == ("in",) and target in ("drawer", "door", "shelf", "tray") and OBJECT not in known:

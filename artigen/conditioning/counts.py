@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from artigen.conditioning.colors import is_noun
+from artigen.conditioning.colors import is_compound, is_noun
+from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import crosses, read_count, read_number
+from artigen.conditioning.paints import PANES
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
 from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PANES, PART_NOUNS, PARTS, SCALES
+from artigen.conditioning.vocabulary import GRIDS, ONES, PART_NOUNS, PARTS
 from artigen.kind import find_noun
 from artigen.types import PART_LABELS
 
@@ -66,7 +68,7 @@ def read_counts(parse: Parse) -> Parse:
 
 
 def _is_glazed(words: tuple[str, ...], group: Group) -> bool:
-    return group.label == "door" and bool(PANES & set(words[group.start : group.end]))
+    return group.label == "door" and bool(PANES & set(words[max(0, group.start - 1) : group.end]))
 
 
 def _read_group(parse: Parse, at: int) -> Group | None:
@@ -74,7 +76,7 @@ def _read_group(parse: Parse, at: int) -> Group | None:
     words = parse.words
     number = read_count(words, at)
     if number is None:
-        if words[at] not in PARTS or at in parse.head:
+        if words[at] not in PARTS or at in parse.head or is_compound(words, at):
             return None
         count = _read_after(words, at + 1)
         counted = 0 if count is None else 2
@@ -161,7 +163,7 @@ def _find_part(parse: Parse, start: int) -> int | None:
         if place in parse.head or word in (",", "with", "and") or read_number(parse.words[place:], 0):
             return None
         if word in PARTS:
-            return place
+            return None if is_compound(parse.words, place) else place
     return None
 
 
@@ -176,6 +178,6 @@ def read_objects(parse: Parse) -> Parse:
         return parse
     for at in range(head.start):
         number = None if at in parse.used else read_count(words, at)
-        if number is not None and number[0] > 1 and "," not in words[at : head.start]:
+        if number is not None and number[0] > 1 and not {",", "of"} & {*words[at + number[1] : head.start]}:
             return parse.take(at, number[1]).say(objects=number[0])
     return parse

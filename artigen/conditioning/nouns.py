@@ -3,20 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import read_number
+from artigen.conditioning.paints import MATERIALS, PAINTS, SHADES
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.vocabulary import (
-    ADJECTIVES,
     AMBIGUOUS,
     CLAUSES,
     FILLERS,
-    MATERIALS,
     OTHERS,
-    PAINTS,
     PARTS,
     RELATIONS,
-    SCALES,
-    SHADES,
     count_longest,
 )
 from artigen.kind import Kind, find_noun, list_nouns
@@ -62,8 +59,8 @@ def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = Tru
     head = before[0]
     for noun in before[1:]:
         between = words[head.at + head.count : noun.at]
-        if noun.kind is not head.kind and "," in between:
-            break  # "a desk, one drawer unit at the left"
+        if "," in between or (between and noun.kind is head.kind):
+            break  # "a desk, one drawer unit at the left", "a sideboard between two cupboards"
         if noun.kind is not head.kind and between:
             raise TextError(f"both {head.kind.name} and {noun.kind.name} are named; give one kind")
         head = noun  # the last word of a compound is its head
@@ -127,7 +124,8 @@ def _is_one(noun: Head, words: tuple[str, ...], *, whole: bool) -> bool:
     counted = number is not None and number[0] != 1 and words[noun.at - 1] not in ("double", "twin", "triple")
     named = spelled in noun.kind.nouns and not _is_later(before)
     part = spelled in PARTS and (not whole or not named)
-    return not part and not counted and not CLAUSES & set(before)
+    clause = before[max((at + 1 for at, word in enumerate(before) if word == ","), default=0) :]
+    return not part and not counted and not CLAUSES & set(clause)
 
 
 def _is_later(before: tuple[str, ...]) -> bool:

@@ -1,34 +1,55 @@
 """Words of a sentence, and the numbers and lengths among them."""
 
+import math
 import re
+from dataclasses import dataclass
 from fractions import Fraction
 
-from artigen.conditioning.vocabulary import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS, count_longest
+from artigen.conditioning.measures import BODY, DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
+from artigen.conditioning.vocabulary import count_longest
 
-_SIGNS = {
-    "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",
-    "w/": " with ",
-}  # fmt: skip
+_PLAIN = (
+    ("½", " 1/2 "), ("¼", " 1/4 "), ("¾", " 3/4 "), ("\u00d7", " x "), ("\u2019", "'"),
+    ("\u201d", '"'), ("\u2013", "-"),
+    (r"\bdraws\b", "drawers"), (r"pull[- ](out|down)", r"pull\1"), (r"\bw/o\b", "without"),
+    (r"\bw/", " with "), (r"(?<=[a-z])/(?=[a-z])", " or "),
+    (r"(?<=[a-z])'(?:s|d|m|ll|re|ve)\b", ""), (r"\bcan(?:no|')t\b", "can not"), (r"n't\b", " not"),
+    (r"\bdo(?:es)? not (?:want|need|have)\b(?: any\b)?", "without"),
+    (r"(?<!\bin)(?<!\bft)(?<!\bcm)(?<!\bmm)(?<!\bapprox)[.!?]\s+", ", "),
+    (r"(\d)\s*-\s*(?=\d)", r"\1 to "), ("-", " "),
+    (r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2"), (r"(\d),(\d)", r"\1.\2"),
+    (r"(\d)\s*'(?!\w*[a-z])", r"\1 foot "), (r'(\d)\s*"', r"\1 inch "),
+    (";", ","), (r":(?!\s*\d)", ","),
+)  # fmt: skip
+"""Signs, contractions and ends of sentences, and what they are in words; "doors: 2" is a number of doors."""
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")
 
 LARGE = frozenset({"m", "metre", "metres", "meter", "meters"})
 """Units after which a bare number counts hundredths."""
 LONGEST_LIMIT = count_longest(LIMITS)
 """Words of the longest phrase before a number."""
-CLEAR = 0.05
-"""Share by which a length differs from one that it must be under or over."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Length:
+    """A length (m), or a range of them, and how many words it takes."""
+
+    low: float
+    high: float
+    words: int
+
+    @property
+    def metres(self) -> float:
+        """The length, the middle of a range, or the end of one that has no other."""
+        ends = [end for end in (self.low, self.high) if 0 < end < math.inf]
+        return sum(ends) / max(len(ends), 1)
 
 
 def split_words(text: str) -> tuple[str, ...]:
     """Words, numbers and commas in lower case; a comma between digits is a decimal or thousands sign."""
-    text = re.sub(r"pull[- ](out|down)", r"pull\1", text.lower())
-    for sign, spelled in _SIGNS.items():
-        text = text.replace(sign, spelled)
-    text = re.sub(r"(\d)\s*-\s*(?=\d)", r"\1 to ", text).replace("-", " ")
-    text = re.sub(r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2", text)
-    text = re.sub(r"(\d),(\d)", r"\1.\2", text)
-    text = re.sub(r'(\d)\s*"', r"\1 inch ", re.sub(r"(\d)\s*'(?!\w*[a-z])", r"\1 foot ", text))
-    text = re.sub(r":(?!\s*\d)", ",", text.replace(";", ","))  # "doors: 2" is a number of doors
+    text = text.lower()
+    for sign, spelled in _PLAIN:
+        text = re.sub(sign, spelled, text)
     return tuple(_WORD.findall(text))
 
 
@@ -69,14 +90,14 @@ def crosses(words: tuple[str, ...], at: int) -> bool:
     return at < len(words) and words[at] in ("x", "by")
 
 
-def read_limit(words: tuple[str, ...], at: int) -> tuple[int, int]:
-    """Which way a phrase such as "at most" or "more than" excludes its number, and how many words it takes:
-    1 for numbers above it, -1 for those below, 0 for none; no words without such a phrase."""
+def read_limit(words: tuple[str, ...], at: int) -> tuple[int, int, int]:
+    """On which side of the number after "at most" or "more than" others are (1 above, -1 below, 0 none), how
+    far the nearest whole one is, and how many words the phrase takes; no words without one."""
     for count in range(LONGEST_LIMIT, 0, -1):
-        way = LIMITS.get(" ".join(words[at : at + count]))
-        if way is not None:
-            return way, count
-    return 0, 0
+        limit = LIMITS.get(" ".join(words[at : at + count]))
+        if limit is not None:
+            return *limit, count
+    return 0, 0, 0
 
 
 def read_count(words: tuple[str, ...], at: int) -> tuple[int, int] | None:
@@ -84,11 +105,11 @@ def read_count(words: tuple[str, ...], at: int) -> tuple[int, int] | None:
 
     Of a range it is the middle, rounded down; "more than two" is three.
     """
-    way, skipped = read_limit(words, at)
+    _, step, skipped = read_limit(words, at)
     span = _read_span(words, at + skipped)
     if span is None or any(end != int(end) for end in span[:2]):
         return None
-    return max(0, int(span[0] + span[1]) // 2 + way), skipped + span[2]
+    return max(0, int(span[0] + span[1]) // 2 + step), skipped + span[2]
 
 
 def _read_span(words: tuple[str, ...], at: int) -> tuple[float, float, int] | None:
@@ -106,23 +127,26 @@ def _read_span(words: tuple[str, ...], at: int) -> tuple[float, float, int] | No
     return first[0], last[0], link + 1 + last[1] - at
 
 
-def read_length(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
-    """A length (m) from a position on, and how many words it takes: "80 cm", "half a metre", "6 ft 2 in".
-
-    Of a range, such as "60 to 80 cm", it is the middle; "under 70 cm" is `CLEAR` less than that.
-    """
-    way, skipped = read_limit(words, at)
-    skipped, way = (1, SIDES[words[at]]) if at < len(words) and words[at] in SIDES else (skipped, way)
+def read_length(words: tuple[str, ...], at: int) -> Length | None:
+    """A length from a position on: "80 cm", "half a metre", "6 ft 2 in", "60 to 80 cm", "under 70 cm"."""
+    side, _, skipped = read_limit(words, at)
+    if at < len(words) and words[at] in SIDES:
+        side, skipped = SIDES[words[at]], 1
     span = _read_span(words, at + skipped)
     end = at + skipped + span[2] if span is not None else 0
     if span is not None and span[0] < span[1]:
         unit = UNITS.get(words[end]) if end < len(words) else None
-        return None if unit is None else ((span[0] + span[1]) / 2 * unit, end + 1 - at)
+        return None if unit is None else Length(low=span[0] * unit, high=span[1] * unit, words=end + 1 - at)
     plain = _read_plain_length(words, at + skipped)
-    return None if plain is None else (plain[0] * (1 + way * CLEAR), plain[1] + skipped)
+    if plain is None:
+        return None
+    low, high = 0.0 if side < 0 else plain[0], math.inf if side > 0 else plain[0]
+    return Length(low=low, high=high, words=plain[1] + skipped)
 
 
 def _read_plain_length(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
+    if words[at : at + 1] and words[at] in BODY and words[at + 1 : at + 2] in (("high",), ("height",)):
+        return BODY[words[at]], 1
     number = read_number(words, at)
     if number is None:
         return None

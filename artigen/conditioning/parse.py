@@ -1,11 +1,13 @@
 """`Parse`: words of a sentence, which of them are read, and what they say so far."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from artigen.conditioning.numbers import read_length
+from artigen.conditioning.measures import AXES, Axis
+from artigen.conditioning.numbers import Length, read_length
 from artigen.conditioning.sentence import Sentence, TextError
-from artigen.conditioning.vocabulary import AXES, FILLERS, Axis, Feature
+from artigen.conditioning.vocabulary import FILLERS, Feature
 from artigen.kind import Kind, kinds
 from artigen.types import PartLabel
 
@@ -56,6 +58,19 @@ def say_length(parse: Parse, axis: Axis, length: float) -> Parse:
     return parse.say(size=tuple((axis, sizes[axis]) for axis in AXES if axis in sizes))
 
 
+def say_range(parse: Parse, axis: Axis, length: Length) -> Parse:
+    """Says a length, or the range in which it is."""
+    if length.low == length.high:
+        return say_length(parse, axis, length.low)
+    known = {name: ends for name, *ends in parse.found.ranges}
+    low, high = known.get(axis, (0.0, math.inf))
+    low, high = max(low, length.low), min(high, length.high)
+    if low > high:
+        raise TextError(f"{axis} is at least {low:g} m and at most {high:g} m; give a range")
+    known[axis] = [low, high]
+    return parse.say(ranges=tuple((axis, *known[axis]) for axis in AXES if axis in known))
+
+
 def say_count(parse: Parse, label: PartLabel, count: int) -> Parse:
     known = dict(parse.found.counts)
     if known.get(label, count) != count:
@@ -75,8 +90,8 @@ def list_ignored(parse: Parse) -> tuple[str, ...]:
         read = at in parse.used and at not in parse.lost
         length = None if read else read_length(words, at)
         if length is not None and words[at] not in FILLERS:
-            lost.append(" ".join(words[at : at + length[1]]))
-            at += length[1]
+            lost.append(" ".join(words[at : at + length.words]))
+            at += length.words
             continue
         known = read or words[at] in FILLERS or words[at] == ","
         lost += [] if known else [words[at]]

@@ -136,7 +136,8 @@ def _read_spot(
         return EDGES[words[end]], {end}  # "two drawers left, one right"
     single = group.count is None and words[group.end - 1] in PART_NOUNS
     several = any((other.count or 0) > 1 for other in groups if other.label == group.label)
-    if single and several:  # "the left door" is one of two
+    definite = "the" in words[max(0, group.start - 2) : group.start]
+    if single and (several or definite):  # "the left door" is one of two
         return None
     adjectives = (
         (group.start - 1, *range(group.start, group.end - 1)) if group.start else range(group.end - 1)
@@ -147,9 +148,11 @@ def _read_spot(
     begin = groups[index - 1].end if index else 0
     for at in range(begin, group.start):
         before = _match(words, at, SPOTS, used)
-        if before is not None and all(
-            word in FILLERS or word == "," for word in words[before[2] : group.start]
-        ):
+        if before is None:
+            continue
+        between = words[before[2] : group.start]
+        other = between[:1] == (",",) and words[before[1] - 1] != ","  # "a plate rack on top, two drawers"
+        if not other and all(word in FILLERS or word == "," for word in between):
             return SPOTS[before[0]], set(range(before[1], before[2]))
     return None
 

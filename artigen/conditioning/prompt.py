@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 
-from artigen.conditioning.vocabulary import NUMBERS, PART_NOUNS
+from artigen.conditioning.measures import NUMBERS
+from artigen.conditioning.vocabulary import PART_NOUNS
 from artigen.kind import kinds
 from artigen.types import PartLabel
 

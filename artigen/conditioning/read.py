@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from artigen.conditioning.clauses import read_clauses
+from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.sentence import Sentence, TextError
-from artigen.conditioning.vocabulary import AXES, Axis
+from artigen.conditioning.suggest import suggest
 from artigen.kind import Kind, kinds, list_words
 
 SLACK = 1e-9
@@ -24,14 +25,18 @@ def read_sentence(text: str, *, whole: bool = True) -> Sentence:
     """
     found = read_clauses(text, whole=whole)
     if (whole and found.kind is None) or found == Sentence(ignored=found.ignored):
-        lost = f"; {', '.join(map(repr, found.ignored))} is not understood" if found.ignored else ""
+        lost = f"; {', '.join(map(suggest, found.ignored))} is not understood" if found.ignored else ""
         nouns = ", ".join(next(iter(kind.nouns)) for kind in map(kinds().__getitem__, list_words()))
         raise TextError(
             f"{text!r} names no kind of object that is known{lost}; expected one of {nouns}; for example "
             "'a cabinet with three drawers'"
         )
     if found.kind is not None:
-        check_size(kinds()[found.kind], dict(found.size))
+        kind = kinds()[found.kind]
+        spans = dict(zip(AXES, kind.sizes, strict=True))
+        sizes = dict(found.size)
+        sizes |= {axis: min(max(low, spans[axis][0]), high) for axis, low, high in found.ranges}
+        check_size(kind, sizes)
     return found
 
 

@@ -5,10 +5,13 @@ higher than usual, with three drawers and two handles, and colours. Words withou
 ignored, never dropped.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from artigen.conditioning.vocabulary import Axis, Spot
+from artigen.conditioning.measures import Axis
+from artigen.conditioning.suggest import suggest
+from artigen.conditioning.vocabulary import Spot
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, plurals
 from artigen.types import PartLabel
@@ -49,6 +52,10 @@ class Sentence:
     articles: tuple[PartLabel, ...] = ()
     """Parts that are counted by an article alone: a door, where furniture has one and others at least one."""
     size: tuple[tuple[Axis, float], ...] = ()
+    ranges: tuple[tuple[Axis, float, float], ...] = ()
+    """Least and largest lengths; 0 and infinity where an end is open."""
+    ratios: tuple[tuple[Axis, float, Axis], ...] = ()
+    """Lengths as multiples of others: twice as tall as wide."""
     stretch: tuple[tuple[Axis, float], ...] = ()
     """Factors relative to the usual extents: a tall cabinet."""
     volume: float | None = None
@@ -83,6 +90,11 @@ class Sentence:
             "style": self.style,
             "counts": dict(self.counts),
             "size": {axis: round(length, 6) for axis, length in self.size},
+            "ranges": {
+                axis: [round(low, 6) or None, None if high == math.inf else round(high, 6)]
+                for axis, low, high in self.ranges
+            },
+            "ratios": [list(ratio) for ratio in self.ratios],
             "stretch": dict(self.stretch),
             "volume": self.volume,
             "parts": parts,
@@ -97,6 +109,11 @@ class Sentence:
         said += [f"{self.objects} of them"] if self.objects > 1 else []
         said += [] if self.style is None else [f"style {self.style}"]
         said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]
+        said += [f"{_span(low, high)} {_WORDS[axis]}" for axis, low, high in self.ranges]
+        said += [
+            f"{axis} {f'{factor:g} times' if factor != 1 else 'equal to'} the {other}"
+            for axis, factor, other in self.ratios
+        ]
         said += [f"{factor:g} times the usual {axis}" for axis, factor in self.stretch]
         said += [] if self.volume is None else [f"{1000 * self.volume:g} litres"]
         said += [f"{count} {label if count == 1 else plurals(label)[label]}" for label, count in self.counts]
@@ -104,7 +121,7 @@ class Sentence:
         said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
         said += [f"{part} {what} {value}" for part, what, value in self.features]
         said += [f"{_count(place)} {_AT[place.at]}" for place in self.places]
-        lost = f"; not understood: {', '.join(self.ignored)}" if self.ignored else ""
+        lost = f"; not understood: {', '.join(map(suggest, self.ignored))}" if self.ignored else ""
         return f"understood: {', '.join(said)}{lost}"
 
 
@@ -112,6 +129,12 @@ def _count(place: Placing) -> str:
     noun = place.label if place.count == 1 else plurals(place.label)[place.label]
     said = (str(place.count or ""), "glazed" if place.pane else "", noun)
     return " ".join(filter(None, said))
+
+
+def _span(low: float, high: float) -> str:
+    if low and high < math.inf:
+        return f"{low:g} to {high:g} m"
+    return f"at least {low:g} m" if low else f"at most {high:g} m"
 
 
 _AT: Mapping[Spot, str] = {

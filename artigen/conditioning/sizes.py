@@ -1,13 +1,14 @@
 """Reads the lengths of a sentence: with a direction, as a product, and bare."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from artigen.conditioning.numbers import crosses, read_length, read_number
-from artigen.conditioning.parse import Parse, kind_of, say_length
+from artigen.conditioning.measures import AXES, DIRECTIONS, UNITS, VOLUMES, Axis
+from artigen.conditioning.numbers import Length, crosses, read_length, read_number
+from artigen.conditioning.parse import Parse, kind_of, say_length, say_range
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, VOLUMES, Axis
+from artigen.conditioning.vocabulary import CLAUSES, PARTS
 from artigen.kind import Kind
 
 WIDEST = 1.25
@@ -37,11 +38,11 @@ def read_sizes(parse: Parse) -> Parse:
         length = read_length(words, at)
         number = read_number(words, at)
         if length is not None:
-            unit = next(word for word in words[at : at + length[1]][::-1] if word in UNITS)
+            unit = next((word for word in words[at : at + length.words][::-1] if word in UNITS), None)
         elif number is not None and unit is not None and words[at][0].isdigit():
             bare = number[0] * UNITS[unit]
-            length = (bare, number[1]) if bare <= FURTHEST else None
-        named = None if length is None else _find_direction(words, at, length[1])
+            length = Length(low=bare, high=bare, words=number[1]) if bare <= FURTHEST else None
+        named = None if length is None else _find_direction(words, at, length.words)
         each = words[max(0, at - 1) : at] in (("each",), ("every",))  # "three drawers, each 20 cm high"
         if length is None or named is None:
             at += 1
@@ -50,7 +51,7 @@ def read_sizes(parse: Parse) -> Parse:
         if each:
             parse, at = parse.lose(start, end - start), end
             continue
-        parse = say_length(parse.take(start, end - start), axis, length[0])
+        parse = say_range(parse.take(start, end - start), axis, length)
         at = end
     return parse
 
@@ -92,21 +93,23 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
 
 
 def order_product(parse: Parse) -> Parse:
-    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless another order is
-    far more usual of the kind."""
+    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless only another
+    order can be, or is far more usual of the kind."""
     kind = kind_of(parse)
     if kind is None or not parse.product:
         return parse
-    spans = kind.forms.get(parse.found.noun or "", kind.sizes)
-    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in spans), strict=True))
+    form = kind.forms.get(parse.found.noun or "", kind.sizes)
+    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in form), strict=True))
 
     def differ(axes: tuple[Axis, ...]) -> float:
         return sum(
             abs(math.log(length / usual[axis])) for axis, length in zip(axes, parse.product, strict=True)
         )
 
-    best = min(ORDERS, key=differ)
-    if differ(AXES) - differ(best) <= FAR_MORE_USUAL:
+    spans = dict(zip(AXES, kind.sizes, strict=True))
+    can = [axes for axes in ORDERS if _fit(spans, axes, parse.product)]
+    best = min(can, key=differ, default=AXES)
+    if AXES in can and differ(AXES) - differ(best) <= FAR_MORE_USUAL:
         return parse
     said = dict(zip(best, parse.product, strict=True))
     return parse.say(size=tuple((axis, said[axis]) for axis in AXES))
@@ -154,12 +157,13 @@ def read_bare_sizes(parse: Parse) -> Parse:
             not used
             or axes is None
             or _is_of_part(parse, at, at + used)
-            or set(axes) & {axis for axis, _ in parse.found.size}
+            or set(axes) & {axis for axis, *_ in (*parse.found.size, *parse.found.ranges)}
         ):
             at += 1
             continue
+        span = read_length(words, at) if len(lengths) == 1 else None
         for axis, length in zip(axes, lengths, strict=True):
-            parse = say_length(parse, axis, length)
+            parse = say_length(parse, axis, length) if span is None else say_range(parse, axis, span)
         parse = parse.take(at, used)
         at += used
     return parse
@@ -191,11 +195,13 @@ def _read_product(words: tuple[str, ...], at: int) -> tuple[list[float], int]:
         last = read_length(words, end + 1) if crossed else None
         if number is None or last is None:
             return [], 0
-        unit = next(word for word in words[end + 1 : end + 1 + last[1]][::-1] if word in UNITS)
-        return [number[0] * UNITS[unit], last[0]], end + 1 + last[1] - at
-    end = at + first[1]
+        unit = next(word for word in words[end + 1 : end + 1 + last.words][::-1] if word in UNITS)
+        return [number[0] * UNITS[unit], last.metres], end + 1 + last.words - at
+    end = at + first.words
     last = read_length(words, end + 1) if crosses(words, end) else None
-    return ([first[0]], first[1]) if last is None else ([first[0], last[0]], end + 1 + last[1] - at)
+    if last is None:
+        return [first.metres], first.words
+    return [first.metres, last.metres], end + 1 + last.words - at
 
 
 def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[float], int]]:
@@ -213,27 +219,26 @@ def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[floa
 
 
 def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
-    """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
-    of others that or the height, the larger one; two the width and the depth, or else the height; three all.
+    """What lengths (m) without a direction measure: a single one what the record says, or else the width or
+    height that has such a size; two the width and the depth, or else the height; three all.
 
     None where the kind has no such sizes.
     """
     spans = dict(zip(AXES, kind.sizes, strict=True))
-    middles = {axis: sum(span) for axis, span in spans.items()}
-    tall = kind.trade not in ("furniture", "appliance") and middles["height"] > middles["width"]
-    tall |= kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST
+    tall = kind.bare == "height" or (kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST)
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
-    orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
+    orders: list[tuple[Axis, ...]] = [(axis,) for axis in single if kind.bare is not None]
     if len(lengths) == len(AXES):
         orders = [AXES]
     elif len(lengths) == 2:
         orders = [("width", "depth"), ("depth", "width"), ("width", "height")]
-    for axes in orders if lengths else ():
-        if all(
-            spans[axis][0] <= length <= spans[axis][1] for axis, length in zip(axes, lengths, strict=True)
-        ):
-            return axes
-    return None
+    return next((axes for axes in orders if lengths and _fit(spans, axes, lengths)), None)
+
+
+def _fit(spans: Mapping[Axis, tuple[float, float]], axes: Sequence[Axis], lengths: Sequence[float]) -> bool:
+    """Whether all lengths (m) along axes are within their ranges."""
+    pairs = zip(axes, lengths, strict=True)
+    return all(spans[axis][0] <= length <= spans[axis][1] for axis, length in pairs)
 
 
 def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, float, int] | None:

@@ -1,21 +1,15 @@
-"""Words of sentences that belong to no kind: parts, numbers, units, directions, colours, materials, features.
+"""Words of sentences that belong to no kind: parts, places, features of parts, and words without a meaning.
 
 Nouns and styles of kinds are in their records (`artigen.kind`).
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from artigen.kind import plurals
 from artigen.shapes.fittings.handles import HANDLE_KINDS
 from artigen.shapes.fittings.legs import LegKind
-from artigen.shapes.surfaces.finishes import Color, FinishKind
-from artigen.shapes.surfaces.materials import METALS, STONES, WOODS
 from artigen.types import PartLabel
-
-Axis = Literal["width", "depth", "height"]
-AXES: tuple[Axis, ...] = get_args(Axis)
 
 _PARTS: dict[str, PartLabel] = {
     "drawer": "drawer",
@@ -42,8 +36,8 @@ _PARTS: dict[str, PartLabel] = {
 }
 """Labels by singular nouns; sentences use the first of each."""
 _PIECES = {
-    "top": "top", "worktop": "top", "tabletop": "top", "countertop": "top", "leg": "leg", "front": "front",
-    "body": "body", "carcass": "body",
+    "top": "top", "worktop": "top", "tabletop": "top", "countertop": "top", "topped": "top", "leg": "leg",
+    "front": "front", "body": "body", "carcass": "body",
 }  # fmt: skip
 """Finishes by nouns of pieces that are no part of their own."""
 
@@ -62,6 +56,8 @@ def _with_plurals(nouns: dict[str, str]) -> dict[str, str]:
 PART_NOUNS: dict[str, PartLabel] = dict(_PARTS)
 PARTS: dict[str, PartLabel] = dict(zip(_with_plurals(dict(_PARTS)), (*_PARTS.values(),) * 2, strict=True))
 """Labels by nouns, singular and plural."""
+RACKS = frozenset({"rack", "racks"})
+"""Nouns of parts that name something else after another noun: a towel rack."""
 PIECES = _with_plurals(_PIECES)
 """Finishes by nouns of pieces, singular and plural."""
 LEGS = frozenset({"leg", "legs", "feet"})
@@ -87,72 +83,8 @@ CLAUSES = frozenset({
     "under", "above",
 })  # fmt: skip
 """Words after which nouns name parts or surroundings, not the object."""
-
-NUMBERS: dict[str, int] = {
-    "zero": 0, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8,
-    "nine": 9, "ten": 10, "eleven": 11, "twelve": 12, "thirteen": 13, "fourteen": 14, "fifteen": 15,
-    "sixteen": 16, "seventeen": 17, "eighteen": 18, "nineteen": 19, "twenty": 20, "thirty": 30, "forty": 40,
-    "fifty": 50, "sixty": 60, "seventy": 70, "eighty": 80, "ninety": 90, "hundred": 100,
-    "no": 0, "without": 0, "neither": 0,
-    "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
-}  # fmt: skip
-"""Words for numbers; sentences use the first of each."""
-LIMITS: dict[str, int] = {
-    "at least": 0, "at most": 0, "up to": 0, "no more than": 0, "no less than": 0, "no fewer than": 0,
-    "minimum of": 0, "maximum of": 0, "a minimum of": 0, "a maximum of": 0, "exactly": 0,
-    "more than": 1, "less than": -1, "fewer than": -1,
-}  # fmt: skip
-"""Phrases before a number: 1 if it must be exceeded, -1 if it must not be reached, 0 if it is allowed."""
-SIDES = {"under": -1, "below": -1, "over": 1, "above": 1}
-"""The same before lengths only: before a number of parts they say where those are."""
 ONES = frozenset({"one", "ones"})
 """Pronouns of parts that were named before."""
-GROUPS = {"dozen": 12, "couple": 2, "pair": 2}
-"""Nouns for numbers of things: a dozen drawers, a pair of doors."""
-UNITS: dict[str, float] = {
-    "mm": 0.001, "millimetre": 0.001, "millimeter": 0.001, "millimetres": 0.001, "millimeters": 0.001,
-    "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01, "centimetres": 0.01, "centimeters": 0.01,
-    "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0,
-    "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
-    "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
-}  # fmt: skip
-"""Metres of each unit."""
-VOLUMES: dict[str, float] = {
-    **dict.fromkeys(("litre", "litres", "liter", "liters", "l"), 0.001),
-    **dict.fromkeys(("gallon", "gallons"), 0.003785),
-}
-"""Cubic metres of each unit."""
-DIRECTIONS: dict[str, Axis] = {
-    "wide": "width", "width": "width", "broad": "width", "long": "width", "length": "width",
-    "deep": "depth", "depth": "depth",
-    "tall": "height", "high": "height", "height": "height", "w": "width", "d": "depth", "h": "height",
-    "diameter": "width", "across": "width",
-}  # fmt: skip
-ADJECTIVES: dict[str, tuple[Axis, float]] = {
-    "tall": ("height", 1.35),
-    "high": ("height", 1.35),
-    "low": ("height", 0.7),
-    "short": ("height", 0.7),
-    "wide": ("width", 1.35),
-    "narrow": ("width", 0.7),
-    "deep": ("depth", 1.25),
-    "shallow": ("depth", 0.75),
-    "long": ("width", 1.35),
-    "slim": ("width", 0.7),
-    "broad": ("width", 1.35),
-}
-"""Adjectives that scale a kind's usual extent along one axis when no length is given."""
-COMPARATIVES = {
-    "taller": ("more", "tall"), "higher": ("more", "high"), "wider": ("more", "wide"),
-    "longer": ("more", "long"), "deeper": ("more", "deep"), "lower": ("less", "high"),
-    "shorter": ("less", "high"), "narrower": ("less", "wide"), "shallower": ("less", "deep"),
-}  # fmt: skip
-"""Comparatives before "than" and a length, as the limit and the direction that they are."""
-SCALES = {
-    "large": 1.2, "big": 1.2, "oversized": 1.3, "huge": 1.3,
-    "small": 0.8, "little": 0.8, "compact": 0.8, "mini": 0.7, "tiny": 0.7,
-}  # fmt: skip
-"""Adjectives that scale all extents of which nothing else is said."""
 
 Feature = tuple[str, str, str]
 """Part, property, value."""
@@ -175,93 +107,6 @@ GLOSSES: dict[str, Feature] = {
     for word in words
 }
 """Adjectives for how much the surface of an object mirrors."""
-
-PAINTS: dict[str, Color] = {
-    "white": (0.92, 0.92, 0.91),
-    "ivory": (0.93, 0.90, 0.82),
-    "cream": (0.91, 0.87, 0.76),
-    "beige": (0.83, 0.77, 0.65),
-    "silver": (0.76, 0.76, 0.77),
-    "grey": (0.53, 0.53, 0.54),
-    "gray": (0.53, 0.53, 0.54),
-    "charcoal": (0.24, 0.25, 0.27),
-    "anthracite": (0.24, 0.25, 0.27),
-    "black": (0.10, 0.10, 0.11),
-    "brown": (0.42, 0.28, 0.19),
-    "red": (0.70, 0.16, 0.15),
-    "burgundy": (0.40, 0.10, 0.14),
-    "orange": (0.86, 0.48, 0.17),
-    "terracotta": (0.65, 0.40, 0.31),
-    "yellow": (0.88, 0.77, 0.32),
-    "green": (0.36, 0.50, 0.36),
-    "sage": (0.56, 0.62, 0.53),
-    "mint": (0.67, 0.82, 0.74),
-    "turquoise": (0.30, 0.63, 0.63),
-    "teal": (0.15, 0.43, 0.45),
-    "blue": (0.26, 0.38, 0.60),
-    "navy": (0.16, 0.21, 0.35),
-    "purple": (0.44, 0.28, 0.50),
-    "pink": (0.86, 0.63, 0.66),
-}
-"""sRGB colours of paints."""
-PLAIN = frozenset({
-    "white", "grey", "gray", "black", "brown", "red", "orange", "yellow", "green", "blue", "purple", "pink",
-})  # fmt: skip
-"""Colours of which others are shades."""
-SHADES = {"light": 0.4, "pale": 0.5, "dark": -0.4, "deep": -0.3}
-"""Share of the way to white, or to black where negative, of a colour after such a word."""
-
-
-@dataclass(frozen=True)
-class Stuff:
-    """A material: what finish it is, and its colour if the word implies one (sRGB)."""
-
-    kind: FinishKind
-    color: Color | None = None
-
-
-MATERIALS: dict[str, Stuff] = {
-    **{name.replace("_", " "): Stuff("wood", color) for name, (color, _) in WOODS.items()},
-    "oak": Stuff("wood", (0.80, 0.66, 0.47)),
-    "walnut": Stuff("wood", (0.40, 0.28, 0.20)),
-    "beech": Stuff("wood", (0.82, 0.66, 0.48)),
-    "ash": Stuff("wood", (0.82, 0.73, 0.58)),
-    "bamboo": Stuff("wood", (0.82, 0.69, 0.45)),
-    "wood": Stuff("wood"),
-    "dark wood": Stuff("wood", (0.30, 0.20, 0.14)),
-    "light wood": Stuff("wood", (0.84, 0.74, 0.58)),
-    "wooden": Stuff("wood"),
-    "timber": Stuff("wood"),
-    **{name: Stuff("steel", METALS[name][0]) for name in ("chrome", "brass", "bronze")},
-    "steel": Stuff("steel", (0.72, 0.73, 0.74)),
-    "stainless": Stuff("steel", (0.72, 0.73, 0.74)),
-    "stainless steel": Stuff("steel", (0.72, 0.73, 0.74)),
-    "brushed steel": Stuff("steel", (0.72, 0.73, 0.74)),
-    "copper": Stuff("steel", (0.72, 0.45, 0.32)),
-    "gold": Stuff("steel", (0.83, 0.68, 0.36)),
-    "aluminium": Stuff("steel", (0.78, 0.78, 0.79)),
-    "aluminum": Stuff("steel", (0.78, 0.78, 0.79)),
-    "iron": Stuff("steel", (0.20, 0.20, 0.21)),
-    "metal": Stuff("steel"),
-    **{name: Stuff("stone", color) for name, (color, _) in STONES.items()},
-    "marble": Stuff("stone", (0.88, 0.87, 0.86)),
-    "stone": Stuff("stone"),
-    "glass": Stuff("glass"),
-    "plastic": Stuff("plastic"),
-    "rubber": Stuff("rubber"),
-}  # fmt: skip
-"""Materials by words."""
-PANES = frozenset({"glass", "glazed"})
-"""Words for doors with panes."""
-SURFACES = frozenset({
-    "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
-    "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
-    "tones", "throughout", "outside", "enamel", "enameled", "enamelled", "powder", "coated", "coat",
-    "melamine", "mdf", "plywood", "veneered", "laminated", "ceramic", "porcelain", "hue", "look",
-})  # fmt: skip
-"""Words after a colour or a material that name no piece."""
-METALLIC: dict[str, FinishKind] = {"silver": "steel"}
-"""Colour words that imply a material."""
 
 Spot = Literal["top", "bottom", "left", "right", "sides", "middle"]
 """Where parts are on the front of an object."""
@@ -298,7 +143,9 @@ SPOTS |= {
         "to the {}",
     )
 }
-SPOTS |= {f"in the {word} {noun}": spot for word, spot in UPRIGHT for noun in ("part", "half", "section")}
+SPOTS |= {
+    f"in the {word} {noun}": spot for word, spot in UPRIGHT for noun in ("part", "half", "section", "row")
+}
 EDGES: dict[str, Spot] = {
     "top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "left": "left", "right": "right",
     "middle": "middle", "central": "middle",
@@ -425,6 +272,12 @@ STYLES: dict[Feature, str] = {
 """Styles that have a feature, for the kinds that have such a style."""
 BARE: Feature = ("handle", "type", "none")
 """The feature of fronts without handles."""
+CORRECTIONS = (
+    ("no", ",", "make"), ("no", ","), ("actually", ","), ("actually",), ("sorry", ","), ("wait", ","),
+    ("i", "mean"),
+    ("scratch", "that"), ("or", "rather"), ("better",),
+)  # fmt: skip
+"""Phrases after which a value replaces the one that was given before."""
 ROOMS = frozenset({
     "kitchen", "bathroom", "bedroom", "living", "hall", "hallway", "office", "laundry", "utility", "garage",
     "guest", "nursery", "home", "room", "entryway", "study",
@@ -433,7 +286,8 @@ ROOMS = frozenset({
 FILLERS = ROOMS | frozenset({
     "a", "an", "the", "and", "or", "of", "for", "in", "it", "its", "is", "are", "that", "which", "to",
     "on", "at", "by", "with", "has", "have", "having", "made", "painted", "finished", "coloured",
-    "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
+    "colored", "finish", "i", "we", "you", "want", "would", "like", "should", "must", "can", "could", "be",
+    "please", "me", "one", "featuring", "piece", "from", "each",
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
     "hinged", "them", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",

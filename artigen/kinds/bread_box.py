@@ -159,6 +159,7 @@ KIND = Kind(
     style_words={"roll top": "curved", "enamelled": "enamel"},
     forms={},
     sizes=((0.25, 0.6), (0.15, 0.4), (0.12, 0.4)),
+    bare="width",
     make=make(density={"steel_sheet": 500.0}),
     makes={},
     feet=True,

@@ -305,6 +305,7 @@ KIND = Kind(
     style_words={"serving": "service", "barrow": "wheelbarrow"},
     forms={},
     sizes=((0.35, 2.0), (0.25, 0.9), (0.4, 1.3)),
+    bare="width",
     make=make(density={"steel_sheet": 650.0}),
     makes={
         "kitchen": make(density={"steel": 480.0, "steel_sheet": 480.0, "wood_board": 560.0}),  # softwood

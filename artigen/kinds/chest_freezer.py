@@ -168,6 +168,7 @@ KIND = Kind(
     style_words={"ice cream": "shop", "supermarket": "shop"},
     forms={},
     sizes=((0.4, 2.2), (0.4, 0.95), (0.6, 1.2)),
+    bare="width",
     make=make(hidden=6.0),  # compressor
     makes={},
     feet=True,

@@ -182,6 +182,7 @@ KIND = Kind(
     style_words={"articulated": "architect", "anglepoise": "architect"},
     forms={},
     sizes=((0.1, 0.5), (0.2, 0.9), (0.25, 0.9)),
+    bare="height",
     make=make(
         density={"stone": 2000.0}, wall={"plastic": 0.0025}
     ),  # concrete in a cover; shades as heavy as a millimetre of aluminium

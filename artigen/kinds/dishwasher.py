@@ -261,6 +261,7 @@ KIND = Kind(
     style_words={"vintage": "retro", "built in": EVERY, "front loading": EVERY},
     forms={},
     sizes=((0.4, 0.8), (0.4, 0.9), (0.4, 1.2)),
+    bare="width",
     make=make(hidden=2.0, filled=25.0),  # pump
     makes={},
     feet=True,

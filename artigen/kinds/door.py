@@ -219,6 +219,7 @@ KIND = Kind(
     style_words={"glass": "glazed", "french": "double", "double leaf": "double"},
     forms={},
     sizes=((0.55, 2.6), (0.05, 0.6), (1.6, 3.0)),
+    bare="height",
     make=make(density={"wood_board": 480.0}),  # tubular board
     makes={
         "flush": make(density={"wood_board": 400.0}),

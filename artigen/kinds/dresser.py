@@ -156,6 +156,7 @@ KIND = Kind(
     },
     forms=dict.fromkeys(("tallboy", "highboy", "chiffonier"), ((0.5, 0.9), (0.4, 0.5), (1.1, 1.5))),
     sizes=((0.4, 2.4), (0.3, 0.8), (0.5, 1.8)),
+    bare="width",
     make=make(wall={"wood_board": 0.02}),
     makes={},
     feet=True,

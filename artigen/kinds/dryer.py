@@ -147,6 +147,7 @@ KIND = Kind(
     style_words={"front loading": EVERY, "front load": EVERY, "top loading": NONE, "top load": NONE},
     forms={},
     sizes=((0.4, 0.9), (0.4, 1.0), (0.6, 1.4)),
+    bare="width",
     make=make(hidden=4.0, filled=30.0),  # motor, fan
     makes={},
     feet=True,

@@ -195,6 +195,7 @@ KIND = Kind(
     style_words={"mixer": "single", "single lever": "single"},
     forms={},
     sizes=((0.05, 0.6), (0.08, 0.5), (0.08, 0.7)),
+    bare="height",
     make=PLAIN,
     makes={},
     feet=False,

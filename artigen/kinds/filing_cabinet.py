@@ -246,6 +246,7 @@ KIND = Kind(
     style_words={"mobile": "pedestal", "wood": "wooden"},
     forms={},
     sizes=((0.3, 1.5), (0.35, 1.0), (0.4, 2.2)),
+    bare="width",
     make=make(density={"steel_sheet": 480.0}),
     makes={  # counterweights keep them from tipping with a drawer open (EN 14073)
         "pedestal": make(density={"steel_sheet": 480.0}, hidden=5.0),

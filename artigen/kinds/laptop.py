@@ -179,6 +179,7 @@ KIND = Kind(
     style_words={"coloured": "colour", "colored": "colour", "color": "colour"},
     forms={},
     sizes=((0.2, 0.6), (0.15, 0.45), (0.01, 0.08)),
+    bare=None,  # inches of laptops are those of their screens
     make=make(wall={"plastic": 0.0015}, filled=500.0),  # battery
     makes={},
     feet=False,

@@ -225,6 +225,7 @@ KIND = Kind(
     style_words={"apartment": "cluster", "on a post": "rural", "post mounted": "rural"},
     forms={},
     sizes=((0.12, 1.3), (0.1, 0.9), (0.2, 2.0)),
+    bare="height",
     make=PLAIN,
     makes={},
     feet=False,

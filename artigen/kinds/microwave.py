@@ -269,6 +269,7 @@ KIND = Kind(
     style_words={"vintage": "retro", "countertop": EVERY},
     forms={},
     sizes=((0.3, 0.9), (0.25, 0.75), (0.18, 0.65)),
+    bare="width",
     make=make(hidden=4.0, wall={"glass": 0.004}),  # transformer
     makes={},
     feet=True,

@@ -319,6 +319,7 @@ KIND = Kind(
     style_words={"vintage": "retro", "built in": EVERY, "viewing window": EVERY, "window": EVERY},
     forms=NOUNS,
     sizes=((0.3, 1.6), (0.3, 1.0), (0.05, 1.8)),
+    bare="width",
     make=PLAIN,
     makes={},
     feet=True,

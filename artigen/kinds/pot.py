@@ -160,6 +160,7 @@ KIND = Kind(
     style_words={"stock pot": "stockpot"},
     forms={},
     sizes=((0.12, 0.7), (0.1, 0.5), (0.06, 0.6)),
+    bare="width",
     make=make(density={"steel_sheet": 1100.0}),
     makes={},
     feet=False,

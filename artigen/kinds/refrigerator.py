@@ -245,6 +245,7 @@ KIND = Kind(
         ("mini fridge", "minibar", "wine cooler", "bar fridge"), ((0.44, 0.56), (0.45, 0.58), (0.5, 0.9))
     ),
     sizes=((0.35, 1.9), (0.35, 1.1), (0.4, 2.4)),
+    bare="width",
     make=make(hidden=6.0, wall={"glass": 0.004}),  # compressor
     makes={},
     feet=True,

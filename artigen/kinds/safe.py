@@ -160,6 +160,7 @@ KIND = Kind(
     style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad", "lock": EVERY},
     forms={"gun safe": ((0.5, 0.75), (0.4, 0.6), (1.3, 1.6))},
     sizes=((0.2, 1.2), (0.2, 1.0), (0.2, 2.2)),
+    bare="height",
     make=make(density={"steel_sheet": 1150.0}),  # plates around concrete
     makes={},
     feet=True,

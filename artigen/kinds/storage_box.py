@@ -248,6 +248,7 @@ KIND = Kind(
     style_words={"cardboard": "carton", "moving": "carton", "storage": EVERY},
     forms={},
     sizes=((0.12, 2.0), (0.1, 1.0), (0.06, 1.0)),
+    bare="width",
     make=make(density={"glass": 1050.0}, wall={"plastic": 0.0022, "glass": 0.0022}),
     makes={
         "carton": make(density={"plastic": 85.0}),

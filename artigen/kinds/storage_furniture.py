@@ -89,6 +89,7 @@ NOUNS: dict[str, tuple[str, ...]] = {
     "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit", "cube shelf", "cube unit"),
     "tv_stand": (
         "tv stand", "tv unit", "tv cabinet", "tv console", "tv bench", "media unit", "media console",
+        "media centre", "media center",
         "lowboard", "entertainment center", "entertainment centre", "entertainment unit",
     ),
     "sideboard": ("sideboard", "credenza", "buffet"),
@@ -148,6 +149,7 @@ KIND = Kind(
     },
     forms=SIZES,
     sizes=((0.2, 4.0), (0.15, 1.2), (0.2, 3.2)),
+    bare="width",
     make=PLAIN,
     makes={},
     feet=True,

@@ -184,6 +184,7 @@ KIND = Kind(
         **dict.fromkeys(("trolley suitcase", "trolley case"), ((0.34, 0.5), (0.2, 0.32), (0.5, 0.78))),
     },
     sizes=((0.25, 1.0), (0.12, 0.6), (0.12, 1.0)),
+    bare="height",
     make=make(wall={"plastic": 0.0022}),
     makes={},
     feet=False,

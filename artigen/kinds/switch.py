@@ -147,6 +147,7 @@ KIND = Kind(
     style_words={"push button": "buttons"},
     forms={},
     sizes=((0.05, 0.6), (0.02, 0.2), (0.05, 0.4)),
+    bare="width",
     make=PLAIN,
     makes={},
     feet=False,

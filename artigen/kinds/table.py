@@ -217,6 +217,7 @@ KIND = Kind(
         "console": ((0.9, 1.4), (0.3, 0.4), (0.75, 0.85)),
     },
     sizes=((0.25, 4.0), (0.2, 2.0), (0.25, 1.5)),
+    bare="width",
     make=make(density={"wood_board": 580.0}),  # light tops
     makes={},
     feet=True,

@@ -149,6 +149,7 @@ KIND = Kind(
     },
     forms=FORMS,
     sizes=((0.12, 0.5), (0.2, 0.45), (0.12, 0.3)),
+    bare="width",
     make=make(density={"steel_sheet": 210.0}),  # thin sheet
     makes={},
     feet=True,

@@ -178,6 +178,7 @@ KIND = Kind(
     style_words={"wall mounted": "wall_hung"},
     forms={},
     sizes=((0.3, 0.8), (0.45, 1.0), (0.5, 1.5)),
+    bare="height",
     make=make(wall={"stone": 0.011}),  # vitreous china
     makes={},
     feet=True,

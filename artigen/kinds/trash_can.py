@@ -372,6 +372,7 @@ KIND = Kind(
     },
     forms={},
     sizes=((0.12, 1.3), (0.12, 1.1), (0.15, 1.6)),
+    bare="width",
     make=make(density={"steel_sheet": 250.0}, wall={"plastic": 0.004}),
     makes={},
     feet=True,

@@ -144,6 +144,7 @@ KIND = Kind(
     },
     forms={},
     sizes=((0.35, 3.6), (0.4, 0.9), (1.3, 3.0)),
+    bare="width",
     make=make(density={"wood_board": 580.0}, wall={"wood_board": 0.02}),  # particle board on a thin back
     makes={},
     feet=True,

@@ -187,6 +187,7 @@ KIND = Kind(
     },
     forms={},
     sizes=((0.4, 1.0), (0.4, 1.0), (0.6, 1.6)),
+    bare="width",
     make=make(hidden=5.0, filled=100.0),  # counterweight of concrete, motor
     makes={},
     feet=True,

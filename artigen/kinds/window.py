@@ -269,6 +269,7 @@ KIND = Kind(
     },
     forms={},
     sizes=((0.3, 3.0), (0.05, 0.5), (0.3, 2.6)),
+    bare="width",
     make=PLAIN,
     makes={},
     feet=False,

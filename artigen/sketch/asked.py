@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.conditioning.image import is_cut_out, open_picture
+from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.read import check_size
-from artigen.conditioning.vocabulary import AXES, Axis
 from artigen.errors import ArtigenError
 from artigen.kind import kinds
 from artigen.reader.correct import correct_reading
@@ -28,6 +28,7 @@ from artigen.shapes.shape import Shape
 from artigen.sketch import model
 from artigen.sketch.arrange import MOST_DOORS, NARROW_DOOR
 from artigen.sketch.draw import DrawConfig
+from artigen.sketch.extents import settle_extents
 from artigen.sketch.model import Drawn, SketchConfig
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
@@ -133,10 +134,10 @@ def _ask_sketch(
     told = Told(features=understood.features, places=understood.places)
     spans = {axis: _make_room(span, request) if axis == "width" else span for axis, span in understood.usual}
     usual = {axis: float(rng.uniform(*span)) * factors.pop(axis, 1.0) for axis, span in spans.items()}
-    if told.is_level and usual:
-        side = request.width or request.depth or min(usual["width"], usual["depth"])
-        usual |= {"width": request.width or side, "depth": request.depth or side}
-    request = replace(request, **usual)
+    given, request = request, replace(request, **usual)
+    if request.category is not None:
+        request = settle_extents(request, given, understood.ranges, understood.ratios, factors, seed)
+    factors = {axis: factor for axis, factor in factors.items() if getattr(request, axis) is None}
     headed = bool(factors) or understood.volume is not None  # by usual extents, which a header has
     encoded = model.encode_picture(network(), picture) if picture is not None and headed else None
     if factors:
@@ -190,7 +191,8 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
     request = understood.request
     shares = ", ".join(f"{kind} {share:.0%}" for kind, share in reading.kinds[:3])
     seen = " and ".join(_count(reading.counts[label], label) for label in ("door", "drawer"))
-    alone = () if understood.volume is None else ("litres are not asked for beside a photograph",)
+    left = {"litres": understood.volume, "ranges": understood.ranges, "proportions": understood.ratios}
+    alone = [f"{what} are not asked for beside a photograph" for what, said in left.items() if said]
     notes = [*understood.notes, *alone, f"the photograph was read as {shares}; {seen} in view"]
     told = Told(features=understood.features, places=understood.places)
     corrected = correct_reading(

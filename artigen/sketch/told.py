@@ -109,11 +109,6 @@ class Told:
         return None if said is None else GLOSS[said]
 
     @property
-    def is_level(self) -> bool:
-        """Whether the object is as deep as it is wide."""
-        return self.outline in ("round", "square")
-
-    @property
     def spots(self) -> set[str]:
         """All places that are said."""
         return {place.at for place in self.places}
@@ -149,8 +144,6 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         features=tuple(one for one in told.features if one not in inside),
         places=() if kind.laid_out else told.places,
     )
-    if told.is_level:
-        request = _level_sides(request, told, seed)
     hidden = [one for one in told.features if one[1] == "type" and one[0] in ("stand", "handle")]
     named = {label for label, _ in request.counts} & set(FRONTS)
     divide = kind.laid_out and bool(inside or told.places or (named and not outside.features))
@@ -207,16 +200,6 @@ def list_unworn(shape: Shape, request: SketchRequest) -> list[str]:
 def _stands(shape: Shape, feature: Feature) -> bool:
     """Whether a feature is the stand of a shape."""
     return feature[0] == "stand" and STANDS.get(feature[2]) == find_stand(shape)
-
-
-def _level_sides(request: SketchRequest, told: Told, seed: int) -> SketchRequest:
-    """The request with a depth equal to the width: the one that is given, or that of a draw."""
-    side = request.width or request.depth
-    if side is None:
-        shape = _draw(request, told, seed)
-        low, high = np.zeros((2, 3)) if shape is None else shape.bounds()
-        side = float((high - low)[:2].min()) or None
-    return replace(request, width=request.width or side, depth=request.depth or side)
 
 
 def _leave_out(counts: Sequence[tuple[PartLabel, int]]) -> tuple[tuple[PartLabel, int], ...]:

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from artigen.conditioning.colors import find_color_only, find_stuff
+from artigen.conditioning.measures import AXES, Axis
+from artigen.conditioning.paints import METALLIC
 from artigen.conditioning.read import check_size, read_sentence
 from artigen.conditioning.sentence import OBJECT, Placing, Sentence
-from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, Feature
+from artigen.conditioning.vocabulary import OUTLINES, PARTS, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
@@ -21,6 +23,9 @@ from artigen.sketch.request import (
 from artigen.sketch.words import CATEGORIES
 
 Value = TypeVar("Value")
+LEVEL: tuple[Axis, float, Axis] = ("depth", 1.0, "width")
+"""The ratio of what is round or square."""
+LEVEL_OUTLINES = (OUTLINES["round"], OUTLINES["square"])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +51,10 @@ class Understood:
     """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
     usual: tuple[tuple[str, tuple[float, float]], ...] = ()
     """Usual range (m) of extents that are not given, where a noun says more than the kind: a coffee table."""
+    ranges: tuple[tuple[Axis, float, float], ...] = ()
+    """Least and largest lengths that are allowed."""
+    ratios: tuple[tuple[Axis, float, Axis], ...] = ()
+    """Lengths as multiples of others."""
     volume: float | None = None
     """What the object holds (m^3), by which the extents that are not given are scaled."""
     said: str = ""
@@ -113,6 +122,8 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
     return Understood(
         request=sketch_request,
         usual=usual,
+        ranges=said.ranges,
+        ratios=(*said.ratios, *((LEVEL,) if any(one in said.features for one in LEVEL_OUTLINES) else ())),
         stretch=open_axes,
         volume=said.volume,
         said="" if request.text is None else said.describe(),

@@ -1,5 +1,6 @@
 """Pictures of flats: a plan with the names and sizes of rooms, a view from above, and one into each room."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,6 @@ from envs.rooms.picture import (
     RENDER,
     SCALE,
     draw_plan,
-    draw_view,
     item_surfaces,
     placement_surfaces,
     write_picture,
@@ -20,7 +20,7 @@ from envs.rooms.picture import (
 from envs.rooms.recipes import WINDOW
 from envs.rooms.room import Room
 from envs.rooms.solids import place_solid
-from envs.rooms.views import HEIGHT, PENDANT, WIDTH, find_views
+from envs.rooms.views import HEIGHT, PENDANT, WIDTH, View, find_views
 from sim_export.files.read import read_package
 from sim_export.geometry.normals import CREASE
 from sim_export.picture.render import render_scene, surface_from_mesh, surface_points
@@ -74,13 +74,16 @@ def draw_flat(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     return render_scene(surfaces, place_camera(surface_points(surfaces), viewpoint), RENDER)
 
 
-def write_flat_pictures(flat: Flat, room: Room, folder: Path, *, views: bool) -> None:
-    """Writes ``plan.png``; with ``views``, also ``room.png``, ``entrance_NAME.png``, ``corner_NAME.png``."""
+def write_flat_pictures(
+    flat: Flat, room: Room, folder: Path, draw: Callable[[Room, View], np.ndarray] | None
+) -> None:
+    """Writes ``plan.png``; with what draws views, also ``room.png``, ``entrance_NAME.png`` and
+    ``corner_NAME.png``."""
     write_picture(draw_flat_plan(room), folder / "plan.png")
-    if not views:
+    if draw is None:
         return
     write_picture(draw_flat(room), folder / "room.png")
     for index, cell in enumerate(flat.plan.cells):
         own = with_neighbours(flat, index)
         for view in find_views(own):
-            write_picture(draw_view(own, view), folder / f"{view.name}_{cell.zone.name}.png")
+            write_picture(draw(own, view), folder / f"{view.name}_{cell.zone.name}.png")

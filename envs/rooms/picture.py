@@ -1,4 +1,5 @@
-"""Renders rooms on the CPU: a dollhouse view, the views of its cameras, and a plan of the free space.
+"""Renders rooms on the CPU: a dollhouse view, the views of its cameras, quickly or by daylight, and a plan of
+the free space.
 
 The walls towards the camera are removed, with their door and windows. In the plan bodies are grey, the swept
 space of doors and drawers is orange, the robot's standing places are blue, and contents of drawers and
@@ -8,7 +9,7 @@ cupboards are outlined in green.
 import io
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,10 +23,12 @@ from sim_export.files.read import read_package
 from sim_export.geometry.normals import CREASE
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Mesh, SimPackage
+from sim_export.picture.daylight import render_daylight
 from sim_export.picture.draw import package_surfaces
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface, build_scene, cast_rays, surface_ids_at
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
+from sim_export.picture.tracing import TraceConfig
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 from .covers import fixture_mesh
@@ -35,7 +38,7 @@ from .room import SIDES, Fixture, Item, Placement, Room, Side, from_wall, pose_m
 from .solids import item_hulls, item_motion, item_solids, place_solid
 from .sweeps import find_sweeps
 from .things import thing_solids
-from .views import HEIGHT, PENDANT, WIDTH, View, find_views
+from .views import HEIGHT, PENDANT, WIDTH, View, find_lamps, find_views
 
 AZIMUTH = 62.0
 """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
@@ -81,18 +84,30 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
 def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
     """The room as a camera in it sees it, with the ceiling and all walls but those that it stands before; the
     background is the sky."""
-    width, depth, height = room.size
-    ceiling = Fixture(
-        name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
-    )
     eye = view.camera.position[None, None].repeat(2, axis=1)
     away: list[Side] = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
     shown = [place for place in room.placements if not _hangs_in(room, place, away)]
     kept = (each for each in room.fixtures if not each.name.startswith("sky"))
-    fixtures = [*(each for each in kept if not _belongs_to(each, away)), ceiling]
+    fixtures = [*(each for each in kept if not _belongs_to(each, away)), _ceiling(room)]
     forward = view.camera.axes[2]
     light = replace(EYE_RENDER, light_direction=(0.35 - 0.8 * forward[0], -0.8 * forward[1], 0.35))
     return render_scene(_join_walls(*_room_surfaces(room, shown, fixtures)), view.camera, light)
+
+
+def draw_daylight(room: Room, view: View, cfg: TraceConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+    """As `draw_view`, with all walls, lit by the sky behind the windows and by the lamps; needs Mitsuba 3,
+    and a minute or more."""
+    surfaces, names = _room_surfaces(room, room.placements, [*room.fixtures, _ceiling(room)])
+    sky = {number for number, name in enumerate(names) if name.startswith("sky")}
+    lamps = [lamp.position for lamp in find_lamps(room)]
+    return render_daylight(surfaces, view.camera, sky, lamps, cfg)
+
+
+def _ceiling(room: Room) -> Fixture:
+    width, depth, height = room.size
+    return Fixture(
+        name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
+    )
 
 
 def draw_masks(room: Room, view: View) -> tuple[UInt16[np.ndarray, "H W"], tuple[str, ...]]:
@@ -253,12 +268,12 @@ def write_view(room: Room, path: Path) -> None:
     write_picture(draw_room(room), path)
 
 
-def write_views(room: Room, folder: Path) -> None:
+def write_views(room: Room, folder: Path, draw: Callable[[Room, View], np.ndarray] = draw_view) -> None:
     """Writes what each camera of the room sees as a PNG of its name, its links as one of 16 bits
     (``corner_links.png``), and their names in the order of its values from 1 (``links.json``), atomically."""
     for view in find_views(room):
         mask, names = draw_masks(room, view)
-        write_picture(draw_view(room, view), folder / f"{view.name}.png")
+        write_picture(draw(room, view), folder / f"{view.name}.png")
         write_picture(mask, folder / f"{view.name}_links.png")
         write_whole(folder / "links.json", json.dumps(names, indent=1) + "\n")
 

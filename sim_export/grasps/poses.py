@@ -26,8 +26,6 @@ DEPTHS = (0.0, 0.5, 0.9)
 """Places of the contacts on the pads, from their middles to the finger tips."""
 SPARE = 0.003
 """Least free distance (m) of each pad as the gripper arrives."""
-BULGE = 0.010
-"""Farthest (m) beyond a contact that a part without a handle may bulge between the pads."""
 CONE = float(np.cos(np.arctan(FRICTION)))
 INSIDE = np.array(
     [np.roll(weights, k) for weights in ((0.7, 0.15, 0.15), (0.1, 0.45, 0.45)) for k in range(3)]
@@ -107,8 +105,7 @@ def _settle(
     hands: Hands, target: Target, gripper: Gripper, own: Sequence[Hull], cosine: float = CONE
 ) -> Hands:
     """The hands that hold with their pads' faces, in the middle of what they hold."""
-    bulge = BULGE if target.region is None else gripper.opening
-    T, width, kept = close(hands.T, hands.width, gripper, held_hulls(own, target.region), bulge, cosine)
+    T, width, kept = close(hands.T, hands.width, gripper, held_hulls(own, target.region), cosine)
     return Hands(T=T, width=width, angle=hands.angle).some(kept & (width + 2.0 * SPARE <= gripper.opening))
 
 
@@ -145,11 +142,10 @@ def close(
     width: Float[np.ndarray, "G"],
     gripper: Gripper,
     held: Sequence[Hull],
-    bulge: float,
     cosine: float = CONE,
 ) -> tuple[Float[np.ndarray, "G 4 4"], Float[np.ndarray, "G"], Bool[np.ndarray, "G"]]:
     """Poses and widths at which pads that close on the contacts first touch what is held: its widest place
-    between them, up to ``bulge`` metres beyond the contacts, with the gripper in its middle. And whether each
+    between them, with the gripper in its middle. And whether each
     pad then touches a face at a ``cosine`` or more, or with that of `CONE` a corner with its own face."""
     triangles = hull_triangles(held)
     spread, owner = sample_triangles(triangles, SAMPLES)
@@ -161,7 +157,9 @@ def close(
     points = np.concatenate([corners, spread])
     local = transform_points(inverse(T), points)  # G N 3
     low, high = gripper.pad
-    under = (np.abs(local[..., 1]) <= width[:, None] / 2.0 + bulge) & (np.abs(local[..., 0]) <= high[0])
+    under = (np.abs(local[..., 1]) <= width[:, None] / 2.0 + gripper.opening) & (
+        np.abs(local[..., 0]) <= high[0]
+    )
     under &= (local[..., 2] >= low[2]) & (local[..., 2] <= high[2])
     facing = T[:, :3, 1] @ normals.T  # G S
     kept, ends = np.ones(len(T), dtype=bool), []

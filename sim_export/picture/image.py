@@ -95,18 +95,22 @@ def render_package(
         if draw_splats is None:
             raise PackageError(f"package {package.name!r}: Gaussians need a renderer of them, draw_splats")
         return draw_splats(pose_splats(package, T), camera, cfg.background)
-    if light == "catalogue":
-        from sim_export.picture.catalogue import render_catalogue
-
-        ground = float(surface_points(closed or surfaces)[:, 2].min())
-        return render_catalogue(posed, camera, ground)
-    return render_standing(posed, closed or surfaces, camera, cfg)
+    return render_standing(posed, closed or surfaces, camera, cfg, light)
 
 
 def render_standing(
-    posed: Sequence[Surface], closed: Sequence[Surface], camera: Camera, cfg: RenderConfig
+    posed: Sequence[Surface],
+    closed: Sequence[Surface],
+    camera: Camera,
+    cfg: RenderConfig,
+    light: Lighting = "quick",
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Renders surfaces of an object in any pose, on the floor that it stands on when closed."""
-    if cfg.ground_height is None:
-        cfg = replace(cfg, ground_height=float(surface_points(closed)[:, 2].min()))
-    return render_scene(posed, camera, cfg)
+    ground = cfg.ground_height
+    if ground is None:
+        ground = float(surface_points(closed)[:, 2].min())
+    if light == "catalogue":
+        from sim_export.picture.catalogue import render_catalogue
+
+        return render_catalogue(posed, camera, ground)
+    return render_scene(posed, camera, replace(cfg, ground_height=ground))

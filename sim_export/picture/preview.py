@@ -22,7 +22,7 @@ from sim_export.files.obj import png_bytes
 from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.draw import explode_links, hull_surfaces, open_links, package_surfaces, pose_surfaces
-from sim_export.picture.image import render_standing
+from sim_export.picture.image import Lighting, render_standing
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
@@ -59,7 +59,9 @@ class PreviewConfig:
     viewpoint: Viewpoint = field(default_factory=Viewpoint)
     """Viewpoint of the camera and pixels per panel."""
     render: RenderConfig = field(default_factory=RenderConfig)
-    """Light and sampling."""
+    """Light and sampling of quick pictures."""
+    light: Lighting = "quick"
+    """Light of meshes."""
     columns: int = 4
     """Objects in a row of a contact sheet."""
 
@@ -222,7 +224,8 @@ def draw_panel(
     shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Renders one state of a package with a camera of `frame_shapes`."""
-    return render_standing(_panel_surfaces(shapes, panel), shapes.visual, camera, cfg.render)
+    light = "quick" if panel == "collision" else cfg.light
+    return render_standing(_panel_surfaces(shapes, panel), shapes.visual, camera, cfg.render, light)
 
 
 def _draw_splats(

@@ -37,7 +37,7 @@ def build_burners(
             pieces.append(cylinder((cx, cy, z), (cx, cy, z + 0.009), size, "rubber"))
             pieces.append(cylinder((cx, cy, z), (cx, cy, z + 0.014), 0.3 * size, "steel"))
         else:
-            pieces.append(cylinder((cx, cy, z), (cx, cy, z + 0.018), 0.42 * size, "rubber"))
+            pieces.append(cylinder((cx, cy, z), (cx, cy, z + 0.012), 0.42 * size, "rubber"))
     if kind == "gas":
         columns = divide_range(y, (count + 1) // 2, 0.006)
         for column in columns:
@@ -48,7 +48,7 @@ def build_burners(
 def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive, ...]:
     """A cast-iron grate over a column of burners: cheeks or one spine on the hob, and two cross bars."""
     bar = max(0.009, (x[1] - x[0]) / 50)
-    top = z + 0.034
+    top = z + 0.025
     low, high = narrow(y, 0.012)
     middle = (low + high - bar) / 2
     sides = [
@@ -57,5 +57,5 @@ def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive
     ]
     quarter = (x[1] - x[0]) / 4
     centers = [x[0] + k * quarter for k in (1, 3)]
-    bars = [block(around(c, bar / 2), (low, high), (top - 0.012, top), "rubber") for c in centers]
+    bars = [block(around(c, bar / 2), (low, high), (top - 0.01, top), "rubber") for c in centers]
     return (*sides, *bars)

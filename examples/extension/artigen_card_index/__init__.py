@@ -54,6 +54,7 @@ KIND = Kind(
     style_words={"archive": "library"},
     forms={},
     sizes=((0.2, 0.6), (0.25, 0.6), (0.12, 0.4)),
+    bare="width",
     make=make(density={"wood_board": 500.0}),
     makes={},
     feet=True,

@@ -13,8 +13,11 @@ from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.sheet import draw_picture
+from artigen.sketch import model
 from artigen.sketch.asked import HELD, POLISHED, Asked, ask, draw_asked, merge_reading
+from artigen.sketch.model import Drawn, SketchConfig
 from artigen.sketch.network import SketchNetwork
+from artigen.sketch.request import SketchRequest
 from artigen.sketch.told import GLOSS
 from artigen.sketch.understand import Request, understand
 from artigen.weights import SHIPPED
@@ -155,3 +158,20 @@ def test_a_surface_changes_the_gloss_of_paint_and_wood_alone():
     plain, matte = (draw_asked(merge(text), 5, refuse).shape for text in (None, "matte"))
     for (role, before), (_, after) in zip(plain.finishes, matte.finishes, strict=True):
         assert after == (replace(before, gloss=GLOSS["matte"]) if before.kind in POLISHED else before), role
+
+
+@pytest.mark.parametrize(("picture", "batches"), [(None, 24), (np.zeros((4, 8, 8)), 48)])
+def test_pictures_have_twice_as_many_batches_as_words(
+    picture: np.ndarray | None, batches: int, monkeypatch: pytest.MonkeyPatch
+):
+    """24: the grammar, which draws after those, cannot draw by pictures."""
+    tried: list[int] = []
+
+    def draw(*args: object) -> Drawn:
+        tried.append(next(one for one in args if isinstance(one, SketchConfig)).batches)
+        return Drawn(shape=draw_shape("Oven", 0), faults=(), notes=())
+
+    for name in ("draw_object", "draw_pictured"):
+        monkeypatch.setattr(model, name, draw)
+    draw_asked(Asked(request=SketchRequest(category="Oven"), picture=picture), 0, lambda: None)  # type: ignore[arg-type]
+    assert tried == [batches]

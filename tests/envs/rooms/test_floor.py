@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -181,3 +182,16 @@ def test_scenes_with_things_on_the_floor_are_read_as_written(room: Room, tmp_pat
 
     full = dressed(room)
     assert read_room(write_room(full, tmp_path)) == full
+
+
+def test_pictures_are_four_centimetres_apart():
+    gaps = []
+    for seed, depth in product(range(80), (1.7, 2.2)):
+        hung = decorate_room(replace(ROOM, kind="living_room", seed=seed, size=(2.4, depth, 2.6))).fixtures
+        frames = [one for one in hung if one.name.startswith("picture") and one.name.endswith("frame")]
+        gaps += [
+            max((np.array(a.low) - b.high).max(), (np.array(b.low) - a.high).max())
+            for a, b in combinations(frames, 2)
+            if a.name.split("_")[1] == b.name.split("_")[1]
+        ]
+    assert 0.04 - 1e-9 <= min(gaps) < 0.055

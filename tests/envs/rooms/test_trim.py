@@ -1,5 +1,6 @@
 """Skirting, tiles and clutter: they touch nothing, cover what is bare, and leave every door its way."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,11 +9,13 @@ import pytest
 from bare_room import ROOM
 from sample_packages import SAMPLE_PARTS, build_package
 
+from envs.rooms import clutter
 from envs.rooms.check import check_room
 from envs.rooms.clutter import PER_AREA, clutter_room
 from envs.rooms.footprints import read_footprint
 from envs.rooms.room import Placement, Room, wall_length
 from envs.rooms.solids import fixture_solids
+from envs.rooms.things import THINGS
 from envs.rooms.trim import GAP, SKIRTING, trim_room
 from sim_export.files.write import write_package
 
@@ -81,3 +84,17 @@ def test_more_clutter_means_more_things_and_the_same_room_the_same(room: Room):
     assert counts == sorted(counts)
     assert counts[-1] > counts[1]
     assert clutter_room(room, "lived") == clutter_room(room, "lived")
+
+
+@pytest.mark.parametrize(("longest", "once"), [(0.199, False), (0.201, True)])
+def test_a_thing_from_twenty_centimetres_on_is_on_a_top_once(
+    room: Room,
+    monkeypatch: pytest.MonkeyPatch,
+    longest: float,
+    once: bool,  # noqa: FBT001
+):
+    size = (0.05, longest, 0.05)
+    monkeypatch.setattr(clutter, "THINGS", (replace(THINGS[0], where=("kitchen top",), low=size, high=size),))
+    rooms = [clutter_room(replace(room, seed=seed), "messy") for seed in range(4)]
+    most = max(max(Counter(item.holder for item in full.contents).values(), default=0) for full in rooms)
+    assert (most == 1) == once

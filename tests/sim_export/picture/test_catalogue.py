@@ -6,12 +6,13 @@ import pytest
 from artigen.shapes.surfaces.physical import Material
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import Mesh
-from sim_export.picture.catalogue import CatalogueConfig, render_catalogue
+from sim_export.picture.catalogue import render_catalogue
 from sim_export.picture.render import Surface, surface_from_mesh, surface_points
+from sim_export.picture.tracing import TraceConfig
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 pytest.importorskip("mitsuba")
-FAST = CatalogueConfig(samples=16)
+FAST = TraceConfig(samples=16)
 
 
 def cube(color=(0.8, 0.1, 0.1), texture=None, **material: float) -> Surface:
