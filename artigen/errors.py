@@ -22,6 +22,11 @@ class ArtigenError(Exception):
     """Base of every error this project raises on purpose."""
 
 
+def explain(error: Exception) -> str:
+    """What an error says, without the number and the file that an `OSError` repeats."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
 def check_option(what: str, found: object, allowed: Iterable[str]) -> None:
     """Refuses a word that is none of those allowed.
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 from artigen.types import JOINT_TYPES, PART_LABELS, Asset, Gaussians, Joint, Part, SurfaceSamples, VoxelGrid
 
 FORMAT = "artigen-asset-1"
@@ -86,7 +86,7 @@ def read_asset(folder: Path) -> Asset:
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as err:
-        raise SourceError(f"{path}: cannot be read: {err}") from err
+        raise SourceError(f"{path}: cannot be read: {explain(err)}") from err
     arrays = read_arrays(folder / ARRAYS_NAME)
     known = {f"{name}.{field}" for name, kind in _HOLDERS.items() for field in _array_names(kind)}
     if unknown := sorted(set(arrays) - known):
@@ -130,7 +130,7 @@ def read_arrays(path: Path) -> dict[str, np.ndarray]:
         with np.load(path, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as err:
-        raise SourceError(f"{path}: arrays cannot be read: {err}") from err
+        raise SourceError(f"{path}: arrays cannot be read: {explain(err)}") from err
 
 
 def _array_names(kind: type) -> list[str]:

@@ -161,7 +161,7 @@ class Category:
     stands: Stands
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Kind(Category):
     """A kind of object that the grammar draws. A record without one of the facts cannot be constructed."""
 
@@ -218,6 +218,9 @@ class Kind(Category):
             raise ValueError(f"kind {self.name}: sizes of {', '.join(strange)}, which are none of its nouns")
         if not self.nouns:
             raise ValueError(f"kind {self.name} has no noun; give singular and plural")
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {next(iter(self.nouns))}; styles {', '.join(self.styles)}>"
 
     def find_make(self, style: str | None = None) -> Make:
         """The make of the kind, or of one of its styles."""

@@ -192,9 +192,9 @@ class Object:
         Args:
             folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. One
                 that is on disk is copied with its report.
-            formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
-                ``out/fridge.glb``, ``robosuite`` a fixture ``out/fridge_robosuite/model.xml``; extensions
-                may add others.
+            formats: What is written: ``package``; beside it, or without it instead, ``usd``, an OpenUSD asset
+                below ``out/fridge_usd``, ``glb``, a file ``out/fridge.glb``, ``robosuite``, a fixture
+                ``out/fridge_robosuite/model.xml``; extensions may add others.
             existing: Refuse or replace what is already there.
             visual_format: ``glb`` adds one GLB per link and ``mobility_glb.urdf``, which shows them, to the
                 package, ``obj`` leaves them out; None keeps what the object has.
@@ -203,33 +203,8 @@ class Object:
             ArtigenError: If a format is unknown, a file or folder cannot be written or must not be replaced,
                 a source's meshes are to be GLB, or ``usd`` is asked for without usd-core.
         """
-        return self.write(folder, formats, existing, visual_format)[0]
-
-    def write(
-        self,
-        folder: Path | str,
-        formats: str | tuple[str, ...] = ("package",),
-        existing: Literal["refuse", "replace"] = "refuse",
-        visual_format: "VisualFormat | None" = None,
-    ) -> "tuple[Object, tuple[Path, ...]]":
-        """As `export`, which see; returns the object and the folder or main file of each format."""
-        from artigen.datasets.packing import read_folder
-        from sim_export.files.write import MANIFEST, check_place, package_files, write_files
-
-        folder, formats = Path(folder), (formats,) if isinstance(formats, str) else formats
-        exporters = [find_exporter(name) for name in formats if name != "package"]
-        if "package" in formats:
-            check_place(folder, existing)
-        package = self.package
-        same = visual_format in (None, package.visual_format)
-        if visual_format is not None:
-            package = replace(package, visual_format=visual_format)
-        files = tuple(write(package, folder, existing) for write in exporters)
-        if "package" not in formats:
-            return self, files
-        lies = same and self.folder is not None and (self.folder / MANIFEST).is_file()
-        write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
-        return replace(self, folder=folder, build=lambda: package), (folder, *files)
+        formats = (formats,) if isinstance(formats, str) else formats
+        return write_formats(self, Path(folder), formats, existing, visual_format)[0]
 
     def render(
         self,
@@ -269,6 +244,32 @@ class Object:
         page = build_view(self.package, port=port)
         sys.stderr.write(f"{self.name}: http://localhost:{page.server.get_port()} (stop with Ctrl-C)\n")
         return page
+
+
+def write_formats(
+    obj: Object,
+    folder: Path,
+    formats: tuple[str, ...],
+    existing: Literal["refuse", "replace"],
+    visual_format: "VisualFormat | None",
+) -> tuple[Object, tuple[Path, ...]]:
+    """As `Object.export`, which see; also returns the folder or main file of each format."""
+    from artigen.datasets.packing import read_folder
+    from sim_export.files.write import MANIFEST, check_place, package_files, write_files
+
+    exporters = [find_exporter(name) for name in formats if name != "package"]
+    if "package" in formats:
+        check_place(folder, existing)
+    package = obj.package
+    same = visual_format in (None, package.visual_format)
+    if visual_format is not None:
+        package = replace(package, visual_format=visual_format)
+    files = tuple(write(package, folder, existing) for write in exporters)
+    if "package" not in formats:
+        return obj, files
+    lies = same and obj.folder is not None and (obj.folder / MANIFEST).is_file()
+    write_files(read_folder(obj.folder) if obj.folder and lies else package_files(package), folder)
+    return replace(obj, folder=folder, build=lambda: package), (folder, *files)
 
 
 def load(folder: Path | str, *, scratch: "TemporaryDirectory[str] | None" = None) -> Object:

@@ -11,7 +11,7 @@ import numpy as np
 from artigen.api.batch import run_with_progress
 from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
 from artigen.datasets.packing import need
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, explain
 from artigen.runtime.runner import LocalRunner, Runner
 from artigen.types import Clutter, SceneKind
 
@@ -175,7 +175,7 @@ def read_places(words: Sequence[str]) -> tuple[str, ...]:
         try:
             listed = need("yaml").safe_load(path.read_text())
         except (OSError, ValueError, need("yaml").YAMLError) as error:
-            raise ArtigenError(f"{path}: cannot be read ({error})") from error
+            raise ArtigenError(f"{path}: cannot be read ({explain(error)})") from error
         if not isinstance(listed, list) or not all(isinstance(one, str) for one in listed):
             raise ArtigenError(f"{path}: expected a list of units, each a text such as 'sink: 0.8' in quotes")
         found += [str(path.parent / one) if (path.parent / one).is_dir() else one for one in listed]

@@ -10,7 +10,7 @@ from artigen.api.batch import read_shard
 from artigen.api.dataset import check_dataset, join_datasets, make_dataset, unpack_objects
 from artigen.cli.arguments import RunnerChoice, Shard, Workers
 from artigen.datasets.shards import open_shards
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, check_option
 from artigen.runtime.runner import choose_runner
 
 
@@ -40,6 +40,8 @@ def dataset(
     if not words:
         raise ArtigenError("no words: expected a recipe file, or one of verify, merge and unpack; see --help")
     verb, *rest = words
+    if rest:
+        check_option("first of several words", verb, ("verify", "merge", "unpack"))
     if verb == "verify":
         return _verify(rest, prove)
     if out is None:
@@ -48,8 +50,6 @@ def dataset(
         said = join_datasets([Path(one) for one in rest], out)
     elif verb == "unpack":
         said = "\n".join(map(str, unpack_objects(Path(rest[0]) if rest else Path(), rest[1:], out)))
-    elif rest:
-        raise ArtigenError(f"{' '.join(words)}: expected one recipe, or verify, merge or unpack first")
     else:
         said = make_dataset(Path(verb), out, choose_runner(runner, workers), read_shard(shard))
     sys.stdout.write(said + "\n")

@@ -27,10 +27,10 @@ def export(
         visual_format: ``glb`` adds one GLB per link and mobility_glb.urdf, which shows them; by default as a
             package has it already.
     """
-    from artigen.api.object import load, open_asset
+    from artigen.api.object import load, open_asset, write_formats
     from artigen.io import JSON_NAME
 
     found = open_asset(asset) if (asset / JSON_NAME).is_file() else load(asset)
-    _, files = found.write(out, formats=formats, existing=existing, visual_format=visual_format)
+    _, files = write_formats(found, out, formats, existing, visual_format)
     sys.stdout.write("".join(f"{path}\n" for path in files))
     return 0

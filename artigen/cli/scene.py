@@ -47,7 +47,9 @@ def scene(
     runner = choose_runner("local", workers)
     if image is not None:
         if kind != "kitchen" or packages is not None:
-            raise ArtigenError("a photograph makes a kitchen of its own objects; omit --packages")
+            raise ArtigenError(
+                f"{kind} of a photograph: expected a kitchen, of its own objects without --packages"
+            )
         shown = furnish_photographed(image, out, seed, cfg, formats=formats, pictures=pictures, runner=runner)
         sys.stdout.write(shown.describe() + "\n")
         return 0

@@ -20,7 +20,7 @@ from typing import Any, get_args
 import numpy as np
 
 from artigen.datasets.mechanism import Direction
-from artigen.errors import SourceError, name_options
+from artigen.errors import SourceError, explain, name_options
 from artigen.types import PartLabel
 
 FORMAT = "artigen-joints-1"
@@ -93,7 +93,7 @@ def read_joints(path: Path) -> JointsFile:
     try:
         value = json.loads(path.read_text(encoding="utf-8"), parse_constant=float)
     except (OSError, ValueError) as err:
-        raise SourceError(f"{path}: cannot be read as JSON: {err}") from err
+        raise SourceError(f"{path}: cannot be read as JSON: {explain(err)}") from err
     if not isinstance(value, dict) or value.get("format") != FORMAT:
         raise SourceError(f"{path}: is no joints file, expected an object with the key 'format' {FORMAT!r}")
     rows = value.get("joints")

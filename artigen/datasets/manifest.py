@@ -14,6 +14,7 @@ from typing import Any, get_args
 from artigen.datasets.duplicates import Duplicate
 from artigen.datasets.packing import PackingError, need
 from artigen.datasets.samples import Sample
+from artigen.errors import explain
 from artigen.types import PartLabel
 
 MANIFEST = "manifest.parquet"
@@ -172,4 +173,4 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> Any:
     try:
         return need("pyarrow.parquet").read_table(path, columns=None if columns is None else list(columns))
     except (OSError, pa.ArrowException) as error:
-        raise PackingError(f"{path}: cannot be read as a table ({error})") from error
+        raise PackingError(f"{path}: cannot be read as a table ({explain(error)})") from error

@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path, PurePosixPath
 from types import ModuleType
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, explain
 
 LISTING = "manifest.json"
 """The file with the SHA-256 of the others; it is left out if it can be computed from them."""
@@ -194,7 +194,7 @@ def iterate_samples(path: Path) -> Iterator[tuple[str, Mapping[str, bytes]]]:
             if members:
                 yield key, members
     except (OSError, tarfile.TarError) as error:
-        raise PackingError(f"{path}: cannot be read as a shard ({error})") from error
+        raise PackingError(f"{path}: cannot be read as a shard ({explain(error)})") from error
 
 
 def _read(tar: tarfile.TarFile, member: tarfile.TarInfo) -> bytes:

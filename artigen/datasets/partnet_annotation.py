@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 
 ROOT_JOINTS = ("static", "heavy", "free")
 MOVING_JOINTS = ("hinge", "slider")
@@ -59,7 +59,7 @@ def read_json(path: Path) -> object:
     except FileNotFoundError as err:
         raise SourceError(f"{path}: file is missing") from err
     except (OSError, UnicodeDecodeError) as err:
-        raise SourceError(f"{path}: cannot be read: {err}") from err
+        raise SourceError(f"{path}: cannot be read: {explain(err)}") from err
     except (ValueError, RecursionError) as err:
         raise SourceError(f"{path}: not valid JSON: {err}") from err
 

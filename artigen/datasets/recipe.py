@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from artigen.datasets.packing import digest, need
-from artigen.errors import ArtigenError, name_options
+from artigen.errors import ArtigenError, explain, name_options
 from artigen.kind import kinds
 from artigen.shapes.draw import Wish
 from artigen.types import PartLabel
@@ -109,7 +109,7 @@ def read_recipe(path: Path) -> Recipe:
     try:
         text = path.read_text()
     except (OSError, UnicodeDecodeError) as error:
-        raise RecipeError(f"{path}: cannot be read ({error})") from error
+        raise RecipeError(f"{path}: cannot be read ({explain(error)})") from error
     return parse_recipe(text, str(path))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from artigen.datasets.manifest import MANIFEST, SHARED_INDEX, read_table
 from artigen.datasets.packing import PackingError, digest, iterate_samples, read_members, unpack_files
 from artigen.datasets.samples import Sample, sample_from_json
+from artigen.errors import explain
 from artigen.io import whole_folder
 
 FORMAT = "artigen-dataset"
@@ -164,7 +165,7 @@ def open_shards(folder: Path | str) -> Shards:
         index = json.loads(path.read_text())
         form, version = index["format"], index["version"]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise PackingError(f"{folder}: no data set, its {INDEX} cannot be read ({error})") from error
+        raise PackingError(f"{folder}: no data set, its {INDEX} cannot be read ({explain(error)})") from error
     if (form, version) != (FORMAT, VERSION):
         raise PackingError(f"{path}: format {form} {version}, this reads {FORMAT} {VERSION}")
     return Shards(folder, index)

@@ -10,7 +10,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, name_options
 
 SUFFIX = ".xacro"
 
@@ -24,19 +24,40 @@ def expand_xacro(path: Path, arguments: Sequence[str] = ()) -> str:
         arguments: ``name:=value`` for each argument of the file.
 
     Raises:
-        SourceError: If xacro is not installed, or the file cannot be expanded.
+        SourceError: If xacro is not installed, or the file cannot be expanded or has no such argument.
     """
     try:
         import xacro
     except ImportError as err:
         raise SourceError(f"{path}: xacro needs the package xacro: pip install 'artigen[xacro]'") from err
+    given = _Asked(read_arguments(arguments))
     with _find_packages(path), redirect_stderr(StringIO()):
         try:
-            document: Any = xacro.process_file(str(path), mappings=dict(read_arguments(arguments)))
-            return document.toxml()
+            document: Any = xacro.process_file(str(path), mappings=given)
+            text = document.toxml()
         except (Exception, RecursionError) as err:  # whatever an expression in the file raises
             said = " ".join(str(err).split()) or type(err).__name__
             raise SourceError(f"{path}: xacro cannot expand it: {said:.300}") from err
+    for name in set(read_arguments(arguments)) - given.asked:
+        known = name_options(name, sorted(given.asked)) if given.asked else "none, as the file asks for none"
+        raise SourceError(f"{path}: xacro argument {name!r}, expected {known}")
+    return text
+
+
+class _Asked(dict[str, str]):
+    """Values of arguments, and the names that a file asks for; xacro adds those that have a default."""
+
+    def __init__(self, values: Mapping[str, str]) -> None:
+        super().__init__(values)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
 
 
 def read_arguments(arguments: Sequence[str]) -> Mapping[str, str]:

@@ -17,7 +17,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 from artigen.kind import paper_kinds
 from artigen.runtime.runner import LocalRunner
 from artigen.runtime.workers import Outcome, Worker
@@ -166,7 +166,9 @@ def load_shard(path: Path, needed: Sequence[str]) -> dict[str, np.ndarray]:
         with np.load(path) as stored:
             arrays = {name: stored[name] for name in stored.files}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
-        raise SourceError(f"{path}: is no complete shard ({error}); delete it to make it again") from error
+        raise SourceError(
+            f"{path}: is no complete shard ({explain(error)}); delete it to make it again"
+        ) from error
     missing = [name for name in needed if name not in arrays]
     if missing:
         raise SourceError(f"{path}: is no shard of examples, it lacks {', '.join(missing)}")

@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 from artigen.models.tensors import require_fit
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def _load_network(kind: Any, folder: Path, published: str) -> Any:
             )
     except (OSError, SafetensorError) as error:
         raise SourceError(
-            f"{folder}: {' and '.join(NETWORK_FILES)} cannot be read ({error}); download them again"
+            f"{folder}: {' and '.join(NETWORK_FILES)} cannot be read ({explain(error)}); download them again"
         ) from error
     faults = {
         "missing": sorted(report["missing_keys"]),

@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 from jaxtyping import Float
 
-from artigen.errors import SourceError, name_options
+from artigen.errors import SourceError, explain, name_options
 from artigen.kind import kinds
 from artigen.reader.labels import HINGES, MATERIALS
 from artigen.reader.reading import Field, Label, Reading, ReadPart, Stand
@@ -31,7 +31,9 @@ def open_reading(path: Path) -> Reading:
     try:
         held = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise SourceError(f"{path}: no reading: {error}; write one with artigen read PHOTO --json") from error
+        raise SourceError(
+            f"{path}: no reading: {explain(error)}; write one with artigen read PHOTO --json"
+        ) from error
     try:
         return parse_reading(held)
     except _InvalidValueError as error:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 from artigen.splats.colors import HARMONIC, linear_from_srgb, srgb_from_linear
 from artigen.types import Gaussians
 
@@ -72,7 +72,7 @@ def read_ply(path: Path, *, part_id: int = 0) -> Gaussians:
     try:
         data = path.read_bytes()
     except OSError as err:
-        raise SourceError(f"{path}: cannot be read: {err}") from err
+        raise SourceError(f"{path}: cannot be read: {explain(err)}") from err
     try:
         return decode_ply(data, part_id=part_id)
     except ValueError as err:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, explain
 from artigen.io import write_whole
 
 from .goal import BaseGoal, Goal, ItemGoal, JointGoal, LiftGoal, Region
@@ -34,7 +34,7 @@ def read_goals(path: Path) -> tuple[Goal, ...]:
     try:
         value = json.loads(path.read_text())
     except (OSError, ValueError) as error:
-        raise GoalFileError(f"{path}: cannot be read ({error})") from error
+        raise GoalFileError(f"{path}: cannot be read ({explain(error)})") from error
     try:
         if (value["format"], value["version"]) != (FORMAT, VERSION):
             raise GoalFileError(f"{path}: not goals of format {FORMAT} version {VERSION}")

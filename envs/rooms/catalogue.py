@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, explain
 from artigen.kind import Place, find_kind
 from sim_export.files.folders import list_packages
 from sim_export.files.sidecars import FORMAT
@@ -187,7 +187,7 @@ def _json(path: Path) -> dict:
     try:
         value = json.loads(path.read_text())
     except (OSError, ValueError) as err:
-        raise PopulateError(f"{path}: cannot be read ({err})") from err
+        raise PopulateError(f"{path}: cannot be read ({explain(err)})") from err
     if not isinstance(value, dict):
         raise PopulateError(f"{path}: holds a {type(value).__name__}, expected an object")
     return value

@@ -6,7 +6,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, explain
 from artigen.io import write_whole
 
 from .room import Fixture, Item, Opening, Placement, Room, Zone
@@ -62,7 +62,7 @@ def read_room(path: Path | str) -> Room:
     try:
         value = json.loads(path.read_text())
     except (OSError, ValueError) as err:
-        raise SceneFileError(f"{path}: cannot be read ({err})") from err
+        raise SceneFileError(f"{path}: cannot be read ({explain(err)})") from err
     if not isinstance(value, dict) or value.get("format") != FORMAT or value.get("version") != VERSION:
         raise SceneFileError(f"{path}: not a scene of format {FORMAT} version {VERSION}")
     try:

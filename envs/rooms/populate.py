@@ -80,7 +80,7 @@ class PopulateConfig:
 
     def __post_init__(self) -> None:
         if not 1 <= (self.least or 1) <= self.most or self.least == 0:
-            raise ValueError(f"{self.least} to {self.most} objects: at least 1, and no more than at most")
+            raise ValueError(f"least {self.least}, most {self.most} objects: expected 1 <= least <= most")
         if self.standing_radius < 0.0 or self.attempts < 1 or self.variety < 1:
             raise ValueError(
                 f"standing_radius {self.standing_radius}, attempts {self.attempts}, variety {self.variety}: "

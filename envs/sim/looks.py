@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import UInt8
 
+from artigen.errors import explain
 from sim_export.errors import PackageError
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def _read(folder: Path) -> dict[str, dict]:
         said = json.loads(path.read_text())
         return {entry["visual"]: entry for entry in said["visuals"]}
     except (OSError, ValueError, KeyError) as error:
-        raise PackageError(f"{path}: cannot be read ({error}); export the object again") from error
+        raise PackageError(f"{path}: cannot be read ({explain(error)}); export the object again") from error
 
 
 def _wear(material: Any, look: "Look") -> None:

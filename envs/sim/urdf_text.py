@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, ParseError, tostring
 from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import parse
 
+from artigen.errors import explain
 from sim_export.errors import PackageError
 
 MUJOCO_SETTINGS = {"strippath": "false", "discardvisual": "true", "fusestatic": "false"}
@@ -49,7 +50,7 @@ def _root(path: Path) -> Element:
     try:
         root = parse(path).getroot()
     except (OSError, ParseError, DefusedXmlException) as error:
-        raise PackageError(f"{path}: cannot be read: {error}") from error
+        raise PackageError(f"{path}: cannot be read: {explain(error)}") from error
     if root is None:
         raise PackageError(f"{path}: contains no element")
     return root

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import UInt8
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, explain
 from artigen.files import mtl, urdf, wavefront
 from artigen.files.mtl import MtlMaterial
 from artigen.files.wavefront import ObjText
@@ -169,7 +169,7 @@ def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
         with Image.open(path) as image:
             pixels = np.asarray(image.convert("RGBA"))
     except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as err:
-        raise PackageError(f"{path}: not a readable image ({err})") from err
+        raise PackageError(f"{path}: not a readable image ({explain(err)})") from err
     return pixels if pixels[..., 3].min() < 255 else pixels[..., :3]
 
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal, get_args
 
-from artigen.errors import check_option
+from artigen.errors import check_option, explain
 from artigen.files.mtl import clean_name
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
@@ -136,7 +136,7 @@ def manifest_problems(folder: Path) -> tuple[str, ...]:
         expected = json.loads(path.read_text())
         assert isinstance(expected, dict)
     except (OSError, ValueError, AssertionError) as err:
-        return (f"{MANIFEST} cannot be read ({err})",)
+        return (f"{MANIFEST} cannot be read ({explain(err)})",)
     there = {
         file.relative_to(folder).as_posix(): file for file in sorted(folder.rglob("*")) if file.is_file()
     }

@@ -315,5 +315,10 @@ def test_a_report_that_is_none_names_its_file(tmp_path: Path):
             made.report  # noqa: B018
 
 
+def test_what_a_notebook_shows_of_an_object_and_of_a_kind_is_a_line():
+    shown = [drawn("Safe"), *artigen.kinds().values(), artigen.sample("Safe", count=9)]
+    assert all("\n" not in repr(one) and 10 < len(repr(one)) < 150 for one in shown)
+
+
 def test_seeds_are_whole_numbers_of_any_kind():
     assert artigen.sample("Safe", np.int64(3)).name == drawn("Safe", 3).name == "Safe_3"

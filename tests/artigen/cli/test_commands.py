@@ -56,7 +56,10 @@ def test_a_command_is_thin(path):
         (("validate",), "expected the folder of a package"),
         (("validate", "nothing"), "nothing: no such folder"),
         (("preview", "nothing", "-o", "a.jpg"), "a.jpg: expected a file that ends with .png"),
-        (("export", "nothing", "-o", "out"), "nothing"),
+        (("export", "nothing", "-o", "out"), "nothing: no such folder"),
+        (("dataset", "verfy", "out"), "'verfy': expected one of verify, .*did you mean verify"),
+        (("dataset", "no.yaml", "-o", "out"), r"no.yaml: cannot be read \(No such file or directory\)"),
+        (("scene", "hall", "--image", "a.png", "-o", "out"), "hall of a photograph: expected a kitchen"),
     ],
 )
 def test_a_wrong_value_is_one_sentence_and_leaves_nothing(monkeypatch, tmp_path, capsys, words, said):

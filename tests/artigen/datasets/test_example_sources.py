@@ -82,6 +82,8 @@ def test_a_xacro_takes_arguments_and_finds_packages_above(folder: Path):
             "travel:=1",
             path.read_text().replace("$(arg travel)", "$(arg gone)"),
         ),
+        ("argument 'travl', expected one of travel .did you mean travel", "travl:=1", path.read_text()),
+        ("argument 'travel', expected none", "travel:=1", "<robot name='still'/>"),
         (
             "xacro cannot expand it: .*nowhere",
             "travel:=1",
