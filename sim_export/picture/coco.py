@@ -4,7 +4,6 @@ The format is that of https://cocodataset.org/#format-data with uncompressed run
 not have (``amodal_bbox``, ``link``, ``part``, ``phrase``, ``joint``, ``camera``) are added.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -93,9 +92,3 @@ def run_lengths(mask: Bool[np.ndarray, "H W"]) -> list[int]:
     ends = np.flatnonzero(np.diff(flat)) + 1
     lengths = np.diff(np.concatenate([[0], ends, [len(flat)]])).tolist()
     return [0, *lengths] if flat[0] else lengths
-
-
-def decode_runs(counts: Sequence[int], height: int, width: int) -> Bool[np.ndarray, "H W"]:
-    """The mask of `run_lengths`."""
-    values = np.arange(len(counts)) % 2 == 1
-    return np.repeat(values, counts).reshape((height, width), order="F")

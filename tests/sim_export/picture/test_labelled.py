@@ -17,7 +17,7 @@ from sim_export.files.write import write_package
 from sim_export.motion.kinematics import link_displacements, needed_fractions
 from sim_export.motion.states import sample_state
 from sim_export.picture import labelled
-from sim_export.picture.coco import decode_runs, run_lengths
+from sim_export.picture.coco import run_lengths
 from sim_export.picture.image import render_package
 
 PACKAGE = build_package(SAMPLE_PARTS)
@@ -28,6 +28,11 @@ Q = {"joint_0": 0.2}
 @pytest.fixture(scope="module")
 def picture() -> labelled.LabelledImage:
     return labelled.render_labelled(PACKAGE, CAMERA, Q)
+
+
+def decode_runs(counts, height: int, width: int) -> np.ndarray:
+    """The mask of `run_lengths`."""
+    return np.repeat(np.arange(len(counts)) % 2 == 1, counts).reshape((height, width), order="F")
 
 
 def test_the_picture_is_that_of_the_renderer_and_labels_cover_the_object(picture):
