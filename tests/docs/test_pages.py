@@ -3,6 +3,7 @@
 import ast
 import inspect
 import re
+import runpy
 import subprocess
 import warnings
 from functools import cache
@@ -12,8 +13,8 @@ import pytest
 import tyro
 from project import ROOT
 
-from artigen.cli.main import COMMANDS, load_command
-
+REFERENCE = runpy.run_path(str(ROOT / "docs" / "cli_reference.py"))
+COMMANDS, load_command = REFERENCE["COMMANDS"], REFERENCE["load_command"]
 FILES = set(subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split())
 FOLDERS = {
     parent for file in FILES for parent in (str(path) for path in (ROOT / file).relative_to(ROOT).parents)
