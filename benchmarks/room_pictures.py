@@ -22,13 +22,11 @@ from artigen.types import SceneKind
 from envs.rooms.picture import draw_daylight
 from envs.rooms.room import Room
 from envs.rooms.views import find_views
-from sim_export.picture.tracing import TraceConfig
 
 ROOMS: tuple[SceneKind, ...] = ("kitchen", "living_room", "bedroom", "hall")
 WIDTH, FLAT_WIDTH = 640, 800
 """Width of one room, and of the flat, in pixels."""
 SETTINGS = SceneSettings(clutter="lived", ajar=0.2, contents=0.3)
-TRACE = TraceConfig(samples=32)
 
 
 def draw_corner(room: Room) -> UInt8[np.ndarray, "H W 3"]:
@@ -37,7 +35,7 @@ def draw_corner(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     share = WIDTH / view.camera.width
     height = round(share * view.camera.height)
     camera = replace(view.camera, width=WIDTH, height=height, pixel=view.camera.pixel / share)
-    return draw_daylight(room, replace(view, camera=camera), TRACE)
+    return draw_daylight(room, replace(view, camera=camera))
 
 
 def main(out: Path = Path("out/readme_rooms"), seed: int = 0, workers: int | None = None) -> int:

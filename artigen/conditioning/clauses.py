@@ -23,6 +23,7 @@ from artigen.conditioning.vocabulary import (
     LEVEL,
     PARTS,
     PIECES,
+    ROOMS,
     STACKED,
     STYLES,
     Feature,
@@ -139,7 +140,7 @@ def _find_styles(parse: Parse) -> list[StyleMention]:
             if style == NONE:
                 noun = next(iter(kind.nouns))
                 raise TextError(f"{phrase!r}: no {noun} ({kind.name}) of ours is that; leave it out")
-            weak = words[at] in SCALES or words[at] in PANES or words[at] in MATERIALS
+            weak = any(words[at] in others for others in (SCALES, PANES, MATERIALS, ROOMS))
             clearness = 1 if inside else 0 if weak else 2
             found.append(StyleMention(at=at, count=count, style=style, clearness=clearness))
             break
@@ -205,8 +206,12 @@ def _read_colors(parse: Parse) -> Parse:
     colors, materials, used = read_finishes(parse.words, parse.used, parse.head)
     kind, glazed = kind_of(parse), STYLES[GLAZED]
     if kind is not None and dict(materials).get(OBJECT) == "glass" and glazed in kind.styles:
-        materials = tuple(pair for pair in materials if pair[0] != OBJECT)  # a glass cabinet has glass doors
-        parse = say_features(parse, (GLAZED,)).say(style=parse.found.style or glazed)
+        others = dict(pair for pair in materials if pair[0] != OBJECT)
+        materials = tuple(sorted(others.items()))
+        if "leg" in kind.colored:  # a glass table has a glass top, a glass cabinet glass doors
+            materials = tuple(sorted({"top": "glass", **others}.items()))
+        else:
+            parse = say_features(parse, (GLAZED,)).say(style=parse.found.style or glazed)
     return replace(parse, used=used).say(colors=colors, materials=materials)
 
 

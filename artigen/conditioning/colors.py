@@ -169,8 +169,10 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
 
 
 def is_compound(words: tuple[str, ...], at: int) -> bool:
-    """Whether the noun of a part has another one before it with which it names something else."""
-    return words[at] in RACKS and at > 0 and is_noun(words, at - 1)
+    """Whether the noun of a part names something else with another one: "a towel rack", "a pull cord"."""
+    return (words[at] in RACKS and at > 0 and is_noun(words, at - 1)) or (
+        words[at] == "pull" and is_noun(words, at + 1)
+    )
 
 
 def _is_description(words: tuple[str, ...], at: int) -> bool:

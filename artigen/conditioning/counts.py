@@ -113,7 +113,7 @@ def _read_group(parse: Parse, at: int) -> Group | None:
     follows = words[place + 1 : place + 2]
     if follows and place not in parse.head and find_noun(f"{words[place]} {follows[0]}") is not None:
         return None  # "one drawer unit"
-    each = words[place + 1 : place + 3] == ("on", "each") and not starts_spot(words, place + 1)
+    each = words[place + 2 : place + 3] == ("each",) and not starts_spot(words, place + 1)
     if words[at] in ("a", "an") and each:  # "a handle on each door"
         return Group(start=at, end=place + 1, label=PARTS[words[place]], count=None)
     return Group(start=at, end=place + 1, label=PARTS[words[place]], count=number[0], counted=number[1])

@@ -11,7 +11,8 @@ from artigen.conditioning.vocabulary import count_longest
 _PLAIN = (
     ("½", " 1/2 "), ("¼", " 1/4 "), ("¾", " 3/4 "), ("\u00d7", " x "), ("\u2019", "'"),
     ("\u201d", '"'), ("\u2013", "-"),
-    (r"\bdraws\b", "drawers"), (r"pull[- ](out|down)", r"pull\1"), (r"\bw/o\b", "without"),
+    (r"\bdraws\b", "drawers"), (r"\bshelfs\b", "shelves"), (r"pull[- ](out|down)", r"pull\1"),
+    (r"\bw/o\b", "without"),
     (r"\bw/", " with "), (r"(?<=[a-z])/(?=[a-z])", " or "),
     (r"(?<=[a-z])'(?:s|d|m|ll|re|ve)\b", ""), (r"\bcan(?:no|')t\b", "can not"), (r"n't\b", " not"),
     (r"\bdo(?:es)? not (?:want|need|have)\b(?: any\b)?", "without"),
@@ -19,7 +20,7 @@ _PLAIN = (
     (r"(\d)\s*-\s*(?=\d)", r"\1 to "), ("-", " "),
     (r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2"), (r"(\d),(\d)", r"\1.\2"),
     (r"(\d)\s*'(?!\w*[a-z])", r"\1 foot "), (r'(\d)\s*"', r"\1 inch "),
-    (";", ","), (r":(?!\s*\d)", ","),
+    (r"\bmake (?:it|them) ([^,.;]+) instead\b", r", no, make it \1"), (";", ","), (r":(?!\s*\d)", ","),
 )  # fmt: skip
 """Signs, contractions and ends of sentences, and what they are in words; "doors: 2" is a number of doors."""
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")

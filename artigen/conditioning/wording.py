@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from artigen.conditioning.colors import measure_finish
-from artigen.conditioning.measures import COMPARATIVES, DIRECTIONS
+from artigen.conditioning.measures import COMPARATIVES, DIRECTIONS, UNITS, Axis
 from artigen.conditioning.numbers import read_count, read_length, split_words
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.vocabulary import COMPARTMENTS, CORRECTIONS, PARTS
@@ -23,7 +23,21 @@ class Value:
 
 def plain_words(text: str) -> tuple[str, ...]:
     """Words of a sentence as clauses are read from them."""
-    return _name_shelves(_spell_out(_correct(split_words(text))))
+    return _name_shelves(_name_columns(_spell_out(_correct(_spell_letters(split_words(text))))))
+
+
+def _spell_letters(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Words with "120 L x 60 W x 75 H" as width, depth and height; "40 L" is a volume."""
+    ends = (("", *words), (*words[1:], ""))
+    beside = {
+        at: letter
+        for at, (before, letter, after) in enumerate(zip(ends[0], words, ends[1], strict=False))
+        if letter in ("l", "w", "d", "h") and (before in UNITS or after[:1].isdigit() or after in ("x", "by"))
+    }
+    if "l" not in beside.values() or len(beside) == 1:
+        return words
+    named = {"l": "w", "w": "w" if "d" in beside.values() else "d"}
+    return tuple(named.get(word, word) if at in beside else word for at, word in enumerate(words))
 
 
 def _correct(words: tuple[str, ...]) -> tuple[str, ...]:
@@ -76,6 +90,34 @@ def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
             if words[start - 1 : start] in (("not",), ("nothing",), ("no",)):
                 spelled[start - 1 : at] = ["no"]
     return tuple(spelled)
+
+
+def _name_columns(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Words with "two drawers wide and three high" as "two columns of three drawers"."""
+    for at in range(len(words)):
+        first = _read_across(words, at)
+        after = (
+            0 if first is None else first[3] + (words[first[3] : first[3] + 1] in ((",",), ("and",), ("by",)))
+        )
+        second = None if first is None else _read_across(words, after)
+        if first is None or second is None or {first[2], second[2]} != {"width", "height"}:
+            continue
+        wide, high = (first, second) if first[2] == "width" else (second, first)
+        part = first[1] or second[1]
+        if part:
+            return (*words[:at], *wide[0], "columns", "of", *high[0], *part, *words[second[3] :])
+    return words
+
+
+def _read_across(
+    words: tuple[str, ...], at: int
+) -> tuple[tuple[str, ...], tuple[str, ...], Axis, int] | None:
+    """A number, its part if that is named, and the axis along which there are so many, and the next word."""
+    count = read_count(words, at)
+    stop = at if count is None else at + count[1]
+    end = stop + (stop < len(words) and words[stop] in PARTS)
+    axis = DIRECTIONS.get(words[end]) if end < len(words) else None
+    return None if count is None or axis is None else (words[at:stop], words[stop:end], axis, end + 1)
 
 
 def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:

@@ -182,6 +182,8 @@ KIND = Kind(
         "mixer tap",
         "water tap",
         "kitchen tap",
+        "basin mixer",
+        "bath mixer",
         "basin tap",
         "spigot",
     ),

@@ -232,7 +232,14 @@ def _make_label(panel: Panel) -> list[Primitive]:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("filing cabinet", "file cabinet", "pedestal", "drawer pedestal"),
+    nouns=plurals(
+        "filing cabinet",
+        "file cabinet",
+        "lateral file",
+        "lateral file cabinet",
+        "pedestal",
+        "drawer pedestal",
+    ),
     hints=(),
     size=(
         by_height(0.7, 1.3, "pedestal, lateral"),

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.kind import EVERY, Channel, Kind, Place, by_width, make, plurals
-from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_border, draw_grip, mount_grip
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import (
     build_badge,
@@ -22,7 +22,7 @@ from artigen.shapes.appliances.control_panel import (
 )
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.hardware import GAP, Panel, Space, hinge, rotate, sweep_gap
 from artigen.shapes.primitives import UP, Primitive, block, cylinder
@@ -139,7 +139,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
         (panel.y[0] + free, panel.y[1] - margin),
         (panel.z[0] + margin, panel.z[1] - (margin if not plan.drops else rail)),
     )
-    border = choose(rng, 0.01, 0.03) if rng.random() < 0.4 else 0.0
+    border = draw_border(rng, (0.01, 0.03))
     leaf = build_window_leaf(panel, window, face, "inside", border=border)
     if not plan.drops:
         at = (sum(window[0]) / 2, panel.z[0] + margin / 2)
@@ -215,7 +215,7 @@ def _draw_keys(
     rows_z = divide_range((z[1] - rows * tall - gap * (rows - 1), z[1]), rows, gap)
     columns_y = divide_range(y, columns, gap)
     wide = columns_y[0][1] - columns_y[0][0]
-    finish = choose_one(rng, (face, face, "plastic", "accent"))
+    finish = (face, face, "plastic", "accent")[int(4 * rng.random())]
     return [
         make_button(
             (x, sum(across) / 2, sum(up) / 2),

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.kind import EVERY, PLAIN, Channel, Kind, Place, by_height, by_width, plurals
-from artigen.shapes.appliances.appliance_doors import draw_grip
+from artigen.shapes.appliances.appliance_doors import draw_border, draw_grip
 from artigen.shapes.appliances.cavity import SIDES, build_walls
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
@@ -111,7 +111,8 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         face="panel" if style in ("black", "steel") and rng.random() < 0.15 else "front",
         grip=grip if rng.random() < 0.62 else None,
         longest=longest,
-        border=choose(rng, 0.015, 0.05) if rng.random() < 0.4 else 0.0,
+        border=draw_border(rng, (0.015, 0.05)),
+        floor=0.002 if foot else -np.inf,
     )
     return _Plan(
         kind=kind,

@@ -263,7 +263,7 @@ KIND = Kind(
     style_words={"photocopier": "copier", "ink jet": "inkjet", "all in one": "multifunction", "paper": EVERY},
     forms={},
     sizes=((0.25, 1.0), (0.2, 1.0), (0.1, 1.5)),
-    bare="height",
+    bare="width",
     make=make(wall={"plastic": 0.0025}, filled=110.0),
     makes={},
     feet=True,

@@ -86,7 +86,9 @@ def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Form,
 
 NOUNS: dict[str, tuple[str, ...]] = {
     "nightstand": ("nightstand", "night stand", "bedside cabinet", "bedside table", "bedside unit"),
-    "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit", "cube shelf", "cube unit"),
+    "bookcase": (
+        "bookcase", "bookshelf", "shelving unit", "shelf unit", "cube shelf", "cube unit", "shelving",
+    ),
     "tv_stand": (
         "tv stand", "tv unit", "tv cabinet", "tv console", "tv bench", "media unit", "media console",
         "media centre", "media center",

@@ -249,7 +249,7 @@ KIND = Kind(
     style_words={"mechanic": "chest"},
     forms={},
     sizes=((0.25, 1.1), (0.12, 0.8), (0.12, 1.3)),
-    bare="height",
+    bare="width",
     make=make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),
     makes={},
     feet=True,

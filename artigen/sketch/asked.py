@@ -134,9 +134,11 @@ def _ask_sketch(
     told = Told(features=understood.features, places=understood.places)
     spans = {axis: _make_room(span, request) if axis == "width" else span for axis, span in understood.usual}
     usual = {axis: float(rng.uniform(*span)) * factors.pop(axis, 1.0) for axis, span in spans.items()}
-    given, request = request, replace(request, **usual)
+    given, request, notes = request, replace(request, **usual), understood.notes
     if request.category is not None:
         request = settle_extents(request, given, understood.ranges, understood.ratios, factors, seed)
+    elif understood.ranges or understood.ratios:
+        notes = (*notes, "ranges and proportions are met of a kind that is named: name it")
     factors = {axis: factor for axis, factor in factors.items() if getattr(request, axis) is None}
     headed = bool(factors) or understood.volume is not None  # by usual extents, which a header has
     encoded = model.encode_picture(network(), picture) if picture is not None and headed else None
@@ -150,7 +152,7 @@ def _ask_sketch(
         request = _hold(request, drawn, understood)
     if headed:
         encode_request(request)
-    return Asked(request=request, notes=understood.notes, told=told, picture=picture)
+    return Asked(request=request, notes=notes, told=told, picture=picture)
 
 
 def _hold(request: SketchRequest, drawn: SketchRequest, understood: Understood) -> SketchRequest:
@@ -161,7 +163,8 @@ def _hold(request: SketchRequest, drawn: SketchRequest, understood: Understood) 
     """
     given = understood.request
     size = {axis: getattr(request, axis) or getattr(drawn, axis) for axis in AXES}
-    free: list[Axis] = [axis for axis in AXES if getattr(given, axis) is None]
+    ranged = {axis for axis, _, _ in understood.ranges}
+    free: list[Axis] = [axis for axis in AXES if getattr(given, axis) is None and axis not in ranged]
     held = HELD * np.prod(list(size.values()))
     factor = float((understood.volume or held) / held) ** (1 / max(len(free), 1))
     scaled: dict[Axis, float] = {axis: factor * size[axis] for axis in free}

@@ -100,7 +100,7 @@ def draw_daylight(room: Room, view: View, cfg: TraceConfig | None = None) -> UIn
     surfaces, names = _room_surfaces(room, room.placements, [*room.fixtures, _ceiling(room)])
     sky = {number for number, name in enumerate(names) if name.startswith("sky")}
     lamps = [lamp.position for lamp in find_lamps(room)]
-    return render_daylight(surfaces, view.camera, sky, lamps, cfg)
+    return render_daylight(surfaces, view.camera, sky, lamps, cfg or TraceConfig(samples=12, depth=8))
 
 
 def _ceiling(room: Room) -> Fixture:

@@ -66,7 +66,8 @@ def link_glbs(package: SimPackage) -> dict[str, bytes]:
             scene = trimesh.Scene(base_frame="world")
             scene.graph.update(link.name, frame_from="world")
             _add_visuals(scene, package.name, link, origins[link.name], embed=False)
-            refer = partial(_refer_to_images, {visual.look: visual.mesh for visual in link.visuals})
+            own = {one.look: one.mesh for one in link.visuals if isinstance(one.mesh, Mesh)}
+            refer = partial(_refer_to_images, own)
             files[glb_path(link.name)] = export_glb(scene, tree_postprocessor=refer)
     return files
 
@@ -103,8 +104,9 @@ def _add_visuals(
         corners = visual.mesh.vertices[visual.mesh.faces] - origin
         shown = textured_trimesh(corners, visual.mesh, corner_normals(corners))
         if not embed:
-            material: Any = shown.visual.material
-            material.name, material.baseColorTexture, material.normalTexture = visual.look, None, None
+            look: Any = shown.visual
+            look.material.name = visual.look
+            look.material.baseColorTexture = look.material.normalTexture = None
         scene.add_geometry(
             shown,
             node_name=visual.name,

@@ -83,6 +83,7 @@ def trace(
             "sensor": _sensor(mitsuba, camera, cfg),
             **lights,
         }
+        names: dict[object, str] = {}
         for number, surface in enumerate(surfaces):
             if not len(surface.triangles):
                 continue
@@ -93,7 +94,10 @@ def trace(
                 shine = glow[surface.id] * linear_from_srgb(np.array(surface.color))
                 shape["light"] = {"type": "area", "radiance": {"type": "rgb", "value": shine.tolist()}}
             else:
-                shape["look"] = _look(mitsuba, surface, pane)
+                name = names.setdefault(_tell_apart(surface), f"look_{len(names)}")
+                if name not in scene:
+                    scene[name] = _look(mitsuba, surface, pane)
+                shape["look"] = {"type": "ref", "id": name}
             scene[f"surface_{number}"] = shape
         layers = np.array(mitsuba.render(mitsuba.load_dict(scene), spp=cfg.samples), np.float32)
     return _denoise(layers)
@@ -125,6 +129,12 @@ def _sensor(mitsuba: Any, camera: Camera, cfg: TraceConfig) -> dict[str, Any]:
         },
         "sampler": {"type": "multijitter", "sample_count": cfg.samples},
     }
+
+
+def _tell_apart(surface: Surface) -> tuple[object, ...]:
+    """What surfaces of one look have in common; they share its images."""
+    images = (surface.texture, surface.normal_map)
+    return surface.color, surface.material, *(None if each is None else each.tobytes() for each in images)
 
 
 def _look(mitsuba: Any, surface: Surface, pane: Pane) -> dict[str, Any]:

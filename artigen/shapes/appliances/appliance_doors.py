@@ -4,7 +4,7 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import SIDES, build_frame
 from artigen.shapes.appliances.racks import SLENDER
-from artigen.shapes.choices import choose_one
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
 from artigen.shapes.fittings.hardware import Edge, Panel
 from artigen.shapes.primitives import Primitive, block, line
@@ -76,6 +76,12 @@ def build_window_leaf(
     depth = min(0.003, (panel.thickness - thickness) / 2)
     pane = block((panel.x + depth, panel.x + depth + thickness), window[0], window[1], glass)
     return (*(line(board, lining, SIDES["front"]) for board in frame), pane)
+
+
+def draw_border(rng: np.random.Generator, width: Range) -> float:
+    """Width (m) of the black print around a window, 0 for none; other draws do not depend on it."""
+    (own,) = rng.spawn(1)
+    return choose(own, *width) if own.random() < 0.4 else 0.0
 
 
 def draw_grip(

@@ -11,7 +11,7 @@ from artigen.shapes.appliances.control_panel import build_badge
 from artigen.shapes.appliances.racks import choose_thickness
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import Panel, Space, hinge, slide, sweep_gap
+from artigen.shapes.fittings.hardware import Panel, Space, hinge, slide, stay_above, sweep_gap
 from artigen.shapes.primitives import block
 from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart
@@ -29,6 +29,8 @@ class FrontLook:
     """Longest edge of the oven (m), which lips and handles are proportional to."""
     border: float = 0.0
     """Width (m) of the black print around windows."""
+    floor: float = -np.inf
+    """Height (m) above which open doors stay."""
 
 
 def make_oven_door(
@@ -55,7 +57,8 @@ def make_oven_door(
     else:
         inset = max(0.012, min(0.03, (top - look.grip.thickness) / 2))
         handle = mount_grip(panel, look.grip, parent=name, edge=edge, inset=inset)
-    return [ShapePart(name, "door", leaf, hinge(panel, edge, upper)), handle]
+    joint = stay_above(hinge(panel, edge, upper), (*leaf, *handle.primitives), look.floor)
+    return [ShapePart(name, "door", leaf, joint), handle]
 
 
 def make_warming_drawer(

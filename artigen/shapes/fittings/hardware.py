@@ -10,8 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Vector, block
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Vector, block, place_vertices
 from artigen.shapes.ranges import Range, narrow
+from artigen.transforms import joint_motion
 from artigen.types import Joint
 
 Edge = Literal["left", "right", "top", "bottom"]
@@ -108,6 +109,15 @@ def hinge(panel: Panel, edge: Edge, upper: float) -> Joint:
         "bottom": (RIGHT, y, panel.z[0]),
     }[edge]
     return rotate(axis, (panel.x, y, z), upper)
+
+
+def stay_above(joint: Joint, solids: Iterable[Primitive], floor: float) -> Joint:
+    """The hinge, opening no farther than to where one of the solids comes down to height ``floor`` (m)."""
+    points = np.concatenate([place_vertices(solid) for solid in solids])
+    angles = np.linspace(0.0, joint.upper, 181)
+    T = joint_motion(joint, angles)
+    below = np.flatnonzero((T[:, 2, :3] @ points.T + T[:, 2, 3:]).min(axis=1) < floor)
+    return joint if not below.size else replace(joint, upper=float(angles[max(below[0] - 1, 0)]))
 
 
 def rotate(axis: Vector, origin: Vector, upper: float | None = None, *, spring: float = 0.0) -> Joint:

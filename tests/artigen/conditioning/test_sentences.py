@@ -239,6 +239,34 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Dresser",
         {"counts": {"drawer": 7}, "parts": {"drawer": {"at": {"top": 3, "bottom": 4}}}, "ignored": ["wide"]},
     ),
+    "a glass desk with chrome legs": (
+        "Table",
+        {"parts": {"top": {"material": "glass"}, "leg": {"material": "chrome"}, "stand": {"type": "legs"}}},
+    ),
+    "a bridge kitchen faucet": ("Faucet", {"style": "bridge"}),
+    "a light switch with a pull cord": ("Switch", {"ignored": ["pull", "cord"]}),
+    "a toolbox, 19 in": ("ToolBox", {"size": {"width": 0.4826}}),
+    **dict.fromkeys(
+        (
+            "a filing cabinet, two drawers wide and three high",
+            "three drawers high, two drawers wide filing cabinet",
+        ),
+        ("FilingCabinet", {"counts": {"drawer": 6}, "parts": {"drawer": {"columns": "2"}}}),
+    ),
+    'a buffet, 55"L x 16"W x 31"H': (
+        "StorageFurniture",
+        {"size": {"width": 1.397, "depth": 0.4064, "height": 0.7874}},
+    ),
+    "desk, L 140, D 70, H 75": ("Table", {"size": {"width": 1.4, "depth": 0.7, "height": 0.75}}),
+    "a wardrobe with a drawer under each door": (
+        "Wardrobe",
+        {"parts": {"drawer": {"at": "bottom"}, "door": {"at": "top"}}},
+    ),
+    "a pedal bin, 40 L, 30 W x 60 H cm": (
+        "TrashCan",
+        {"style": "pedal", "volume": 0.04, "size": {"width": 0.3, "height": 0.6}},
+    ),
+    "a white desk; make it oak instead": ("Table", {"parts": {"object": {"material": "oak"}}}),
     "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (

@@ -147,7 +147,7 @@ def test_a_suggestion_is_84_percent_similar(word: str, said: str):
     assert suggest(word) == said
 
 
-@pytest.mark.parametrize(("word", "said"), [("dors", "dors (doors?)"), ("look", "look")])
+@pytest.mark.parametrize(("word", "said"), [("dors", "dors (doors?)"), ("ovn", "ovn")])
 def test_suggestions_have_five_letters(word: str, said: str):
     assert suggest(word) == said
 

@@ -175,3 +175,19 @@ def test_pictures_have_twice_as_many_batches_as_words(
         monkeypatch.setattr(model, name, draw)
     draw_asked(Asked(request=SketchRequest(category="Oven"), picture=picture), 0, lambda: None)  # type: ignore[arg-type]
     assert tried == [batches]
+
+
+def test_ranges_and_proportions_beside_a_photograph_are_said_not_to_be_met():
+    notes = " ".join(merge("at most 1 m wide, as deep as high, 80 litres").notes)
+    assert all(
+        f"{what} are not asked for beside a photograph" in notes
+        for what in ("litres", "ranges", "proportions")
+    )
+
+
+def test_a_volume_leaves_what_has_a_range_within_it(shipped: SketchNetwork):
+    request = Request(text="a 60-litre trash can, at most 30 cm wide")
+    found = ask(request, lambda: shipped, 0).request
+    assert found.width is not None
+    assert found.width <= 0.3
+    assert HELD * found.width * (found.depth or 0) * (found.height or 0) == pytest.approx(0.06)
