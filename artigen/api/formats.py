@@ -55,10 +55,10 @@ def write_usd_asset(package: "SimPackage", folder: Path, existing: Existing) -> 
 def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> Path:
     """A file ``FOLDER.glb``."""
     from sim_export.files.glb import write_glb
+    from sim_export.files.write import check_free
 
     path = folder.with_name(f"{folder.name}.glb")
-    if existing == "refuse" and path.exists():
-        raise ArtigenError(f"{path}: exists already; remove it, or replace it (existing='replace')")
+    check_free(path, existing)
     write_glb(package, path)
     return path
 

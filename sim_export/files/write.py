@@ -230,17 +230,26 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
     return folder
 
 
+def check_free(path: Path, overwrite: Overwrite) -> None:
+    """Refuses what is already there, unless it is to be replaced.
+
+    Raises:
+        ArtigenError: If the path exists and must not be replaced.
+    """
+    check_option("existing", overwrite, get_args(Overwrite))
+    if path.exists() and overwrite == "refuse":
+        raise PackageError(
+            f"{path}: exists already; remove it, or replace it (--existing replace; existing='replace')"
+        )
+
+
 def check_place(folder: Path, overwrite: Overwrite) -> None:
     """Checks that `write_package` may write to a folder.
 
     Raises:
         PackageError: If the folder exists and is not a package, or must not be replaced.
     """
-    check_option("existing", overwrite, get_args(Overwrite))
-    if folder.exists() and overwrite == "refuse":
-        raise PackageError(
-            f"{folder}: exists already; remove it, or replace it (--existing replace; existing='replace')"
-        )
+    check_free(folder, overwrite)
     if (
         folder.exists()
         and not (folder / MANIFEST).is_file()

@@ -10,12 +10,10 @@ bytes.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from pathlib import Path
-from typing import get_args
 
-from artigen.errors import check_option
 from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
-from sim_export.files.write import Overwrite, write_files
+from sim_export.files.write import Overwrite, check_free, write_files
 from sim_export.package import SimPackage
 from sim_export.picture.image import render_package
 from sim_export.picture.viewpoint import Viewpoint
@@ -44,9 +42,7 @@ def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -
     name = asset_name(package.name)
     folder = Path(out) / name
     main = folder / FOLDER / f"{name}.usd"
-    check_option("existing", overwrite, get_args(Overwrite))
-    if folder.exists() and overwrite == "refuse":
-        raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
+    check_free(folder, overwrite)
     if folder.exists() and not main.is_file():
         raise PackageError(
             f"{folder}: is no USD asset (it has no {FOLDER}/{name}.usd), so it is not replaced"
