@@ -19,7 +19,7 @@ BULB = 0.09
 """Radius (m) of a lamp."""
 WARM = (1.0, 0.83, 0.62)
 """Linear colour of lamps."""
-MIDDLE, WHITE = 0.42, 4.0
+MIDDLE, WHITE = 0.42, 12.0
 """Luminance that the middle of all pixels gets, and the one that becomes white."""
 
 
