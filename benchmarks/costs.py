@@ -18,6 +18,7 @@ import tyro
 
 import artigen
 from artigen.kind import kinds
+from sim_export.package import Mesh
 
 
 def measure_objects(seeds: tuple[int, ...], out: Path) -> list[Path]:
@@ -31,7 +32,7 @@ def measure_objects(seeds: tuple[int, ...], out: Path) -> list[Path]:
             seconds.append(time.process_time() - started)
             package = made.package
             meshes = [visual.mesh for link in package.links for visual in link.visuals]
-            triangles.append(sum(len(mesh.faces) for mesh in meshes))
+            triangles.append(sum(len(mesh.faces) for mesh in meshes if isinstance(mesh, Mesh)))
             folders.append(out / f"{kind}_{seed}")
             sizes.append(sum(path.stat().st_size for path in folders[-1].rglob("*") if path.is_file()))
     print(

@@ -75,10 +75,10 @@ def read_sdf(path: Path, body: str | None = None) -> Mechanism:
             f"{path}: holds {len(models)} models ({', '.join(models)}), expected one: "
             "choose it with --body NAME"
         )
-    model = next(iter(models.values())) if body is None else models.get(body)
-    if model is None:
-        raise SourceError(f"{path}: has no model {body!r}, expected {name_options(body, models)}")
-    return _build(model)
+    name = next(iter(models)) if body is None else body
+    if name not in models:
+        raise SourceError(f"{path}: has no model {name!r}, expected {name_options(name, models)}")
+    return _build(models[name])
 
 
 def _list_models(path: Path) -> dict[str, _Model]:

@@ -83,7 +83,7 @@ def read_usd(path: Path, body: str | None = None) -> Mechanism:
         )
     chosen = next((name for name, paths in objects.items() if body in (None, name) or body in paths), None)
     if chosen is None:
-        raise SourceError(f"{path}: has no object {body!r}, expected {name_options(body, objects)}")
+        raise SourceError(f"{path}: has no object {body!r}, expected {name_options(str(body), objects)}")
     bodies = objects[chosen]
     if not bodies:
         raise SourceError(f"{path}: holds neither shapes nor joints, expected an object")
