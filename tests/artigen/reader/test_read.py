@@ -13,6 +13,7 @@ from artigen.examples.reader_views import project_front
 from artigen.reader.boxes import overlap_boxes
 from artigen.reader.drawing import draw_reading
 from artigen.reader.model import load_reader
+from artigen.reader.read import EDGE as SHEET
 from artigen.reader.read import read_image, read_photo
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import draw_shape
@@ -107,7 +108,7 @@ def test_a_mirrored_picture_is_read_mirrored(cabinet: Image.Image, reading: Read
     back = (1 - boxes)[:, [2, 1, 0, 3]]
     back[:, [1, 3]] = boxes[:, [1, 3]]
     for part in reading.fronts:
-        assert np.abs(back - part.box).max(axis=1).min() < 1e-3
+        assert np.abs(back - part.box).max(axis=1).min() < 1.01 / SHEET  # sides move to edges of pixels
 
 
 def test_a_box_chooses_the_object(cabinet: Image.Image):

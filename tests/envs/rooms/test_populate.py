@@ -343,7 +343,7 @@ def test_errors_name_what_was_found_and_what_was_needed(folder, tmp_path):
     small = PopulateConfig(width=2.0, depth=1.8, attempts=2)
     with pytest.raises(PopulateError, match=r"no kitchen of 2 x 1.8 m .* needed are 10"):
         populate("kitchen", 0, read_catalogue(folder), small)
-    with pytest.raises(ValueError, match="12 to 3 objects"):
+    with pytest.raises(ValueError, match="least 12, most 3 objects"):
         PopulateConfig(least=12, most=3)
 
 
