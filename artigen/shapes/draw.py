@@ -215,6 +215,11 @@ class _Varied(np.random.Generator):
         own = super().dirichlet(*args, **kwargs)
         return own + self._spread * (self._lengths.dirichlet(*args, **kwargs) - own)
 
+    def spawn(self, n_children: int) -> list[np.random.Generator]:
+        """Pairs of the two streams' children."""
+        pairs = zip(self.bit_generator.spawn(n_children), self._lengths.spawn(n_children), strict=True)
+        return [_Varied(bits, lengths, self._spread) for bits, lengths in pairs]
+
 
 def wear(own: Finish, other: Finish) -> Finish:
     """The other finish, unless only one of the two can be seen through."""
