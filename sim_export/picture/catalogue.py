@@ -21,6 +21,8 @@ BOXES = (
     ((1.6, 0.3, 2.4), 0.8, 1.8),
 )
 """Soft boxes around an object of unit extent: place of the middle, half the edge, and radiance."""
+LEAST_SHARE = 0.8
+"""Least extent that soft boxes are placed for, as a share of what the picture shows: they stay out of it."""
 STUDIO = 0.5
 """Radiance of the walls."""
 FLOOR = 0.86
@@ -38,6 +40,8 @@ def render_catalogue(
     mitsuba = require_mitsuba()
     points = surface_points(surfaces)
     middle, extent = (points.min(axis=0) + points.max(axis=0)) / 2, float(np.ptp(points, axis=0).max())
+    shown = camera.pixel * max(camera.width, camera.height) * float(np.linalg.norm(camera.position - middle))
+    extent = max(extent, LEAST_SHARE * shown)
     lights: dict[str, Any] = {
         "walls": {"type": "constant", "radiance": STUDIO},
         "floor": _floor(mitsuba, middle, ground, extent),

@@ -163,6 +163,7 @@ def test_a_push_moves_it(folder):
     assert abs(observation["linear_velocity"][0]) < 0.05
 
 
+@pytest.mark.slow
 def test_pictures_need_a_device_and_say_so(folder):
     if has_render_device():
         env = make("Actuate", folder, render_mode="rgb_array")

@@ -228,6 +228,7 @@ def test_broken_edges_of_a_banded_board_have_the_finish_of_the_band():
             assert normals[first, 0].max() < -0.2
 
 
+@pytest.mark.slow
 def test_gaussians_add_a_file_per_link_and_change_no_mesh():
     shape = draw_shape("Oven", 0)
     plain, shown = (build_reference(shape, ReferenceConfig(gaussians=wanted)) for wanted in (False, True))

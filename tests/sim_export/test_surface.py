@@ -43,6 +43,7 @@ def test_samples_do_not_depend_on_the_scale(chest: Asset):
     np.testing.assert_array_equal(one.part_ids, twice.part_ids)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("category", ["StorageFurniture", "Microwave"])
 def test_surface_made_of_voxels_lies_near_the_objects_own(category: str):
     """Within a third of a voxel, which is what one knows of a wall from the cells that it crosses."""

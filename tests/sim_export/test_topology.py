@@ -32,6 +32,7 @@ def variants(category: str, like: int, count: int, wish: Wish | None = None) -> 
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("category", ["Microwave", "Table", "Safe"])
 def test_variants_share_names_joints_and_kinds_of_hulls(category):
     one = build_reference(draw_shape(category, 3))
@@ -137,6 +138,7 @@ def test_numbers_and_materials_do_not_matter():
     )
 
 
+@pytest.mark.slow
 def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path):
     for place, drawn in (("a", draw_shape("Safe", 0)), ("b/c", draw_shape("Microwave", 3))):
         write_package(build_reference(drawn), tmp_path / place / "one")

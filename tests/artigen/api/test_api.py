@@ -104,6 +104,7 @@ def test_three_lines_make_an_exported_and_validated_cabinet(tmp_path: Path):
     assert made.counts["drawer"] == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", MOVERS)
 def test_an_object_says_the_same_as_drawn_as_built_and_as_loaded(kind: str, tmp_path: Path):
     obj = drawn(kind)
@@ -154,6 +155,7 @@ def test_a_package_moves_as_its_solids_do_followers_included(kind: str):
         np.testing.assert_allclose(moved[part.name], shift(-center) @ T @ shift(center), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_picture_shows_the_pose_and_the_camera_decides_its_size():
     obj = drawn("Microwave")
     assert (obj.render() == obj.render(Viewpoint())).all()
@@ -216,6 +218,7 @@ def test_the_structure_decides_what_is_made_and_is_one_of_two():
     assert exact[0].settings != latent[0].settings
 
 
+@pytest.mark.slow
 def test_processes_make_the_same_objects_in_the_same_order(tmp_path: Path):
     own, others = (artigen.sample("Switch", 2, count=2, workers=workers) for workers in (0, 1))
     done = own.export(tmp_path)
@@ -228,6 +231,7 @@ def test_processes_make_the_same_objects_in_the_same_order(tmp_path: Path):
         assert read_folder(there.folder) == {path: files[path] for path in files if path != "validation.json"}
 
 
+@pytest.mark.slow
 def test_a_source_becomes_an_object_and_several_a_sequence(tmp_path: Path):
     write_sample(tmp_path / "sources" / "one")
     made = artigen.convert(tmp_path / "sources" / "one", kind="StorageFurniture")

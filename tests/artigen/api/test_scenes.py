@@ -82,6 +82,7 @@ def test_a_ray_cluster_makes_the_scenes_of_this_process(library: Path, tmp_path:
         assert here == there
 
 
+@pytest.mark.slow
 def test_a_scene_that_cannot_be_is_reported_and_the_others_are_made(library: Path, tmp_path: Path):
     few = tmp_path / "few"
     for kind in FURNITURE:

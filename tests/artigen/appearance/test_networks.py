@@ -290,6 +290,7 @@ def test_autoencoder_learns_the_colours_of_one_object(generator: torch.Generator
     assert errors[-1] < 0.2 * errors[0]
 
 
+@pytest.mark.slow
 def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generator):
     torch.manual_seed(0)
     flow = SlatFlow(TINY.flow, TINY.conditions)

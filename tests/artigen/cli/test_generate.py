@@ -265,6 +265,7 @@ def test_a_folder_without_a_model_is_named(tmp_path: Path):
             generate(out=tmp_path / "out", model=folder, category="Oven")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [

@@ -250,6 +250,7 @@ def test_of_any_number_of_joints_of_one_body_the_furthest_turn_is_kept(tmp_path,
     assert any(f"'j{kept}' (" in note for note in asset.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan"])
 def test_an_mjcf_of_ours_is_read_as_the_object_that_it_was_written_from(tmp_path, category):
     package = build_reference(draw_shape(category, 3))

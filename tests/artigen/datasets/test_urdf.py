@@ -498,6 +498,7 @@ def test_generic_names_of_files_and_folders_tell_no_objects_apart(tmp_path, inne
             assert name_source(path.parent) == name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("visual", ["voxels", "source"])
 def test_a_urdf_becomes_a_package_with_the_same_joints(tmp_path, visual):
     """A coffee machine: a lid on a lever, a button and a tray; what moves it keeps its tree in voxels too."""

@@ -74,6 +74,7 @@ def read(path: Path, body: str | None = None):
     return read_source(path, path.parent / "scratch", ReaderConfig(samples=2000, body=body))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan", "Toilet"])
 def test_our_stages_are_read_as_our_urdfs(tmp_path, category):
     package = build_reference(draw_shape(category, 3))

@@ -307,6 +307,7 @@ def _draw_tables(requests: list[RequestRows], seed: int, top_p: float = 0.98) ->
     return [None if draft is None else np.array(draft.writer.rows) for draft in drafts]
 
 
+@pytest.mark.slow
 def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
     tables = _draw_tables([encode_request(REQUEST)] * 6, 3, top_p=1.0)
     finished = [table for table in tables if table is not None]
@@ -335,6 +336,7 @@ def test_a_header_has_at_least_one_part_of_labels_that_are_asked_for():
         assert (0 in counts) == (not some)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_short")
 def test_the_same_seed_draws_the_same_and_another_something_else():
     one, again, other = (_draw_tables([encode_request(REQUEST)] * 6, seed) for seed in (5, 5, 6))

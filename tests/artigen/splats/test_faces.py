@@ -70,6 +70,7 @@ def test_long_faces_take_few_cells():
     assert count[1] - count[0] == 10
 
 
+@pytest.mark.slow
 def test_discs_lie_on_the_surface_of_their_part_and_face_outward(oven: Shape, discs: Gaussians):
     center, scale = frame_shape(oven)
     found = place_points(oven, scale / 512)

@@ -41,6 +41,7 @@ def read_losses(folder: Path) -> list[float]:
     return [json.loads(line)["loss"] for line in (folder / "metrics.jsonl").read_text().splitlines()]
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_follows_the_same_curve(tmp_path: Path, shards: list[Path]):
     run(tmp_path / "whole", shards, 4)
     run(tmp_path / "halves", shards, 2)

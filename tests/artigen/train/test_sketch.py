@@ -56,6 +56,7 @@ def photos(examples: list[SketchExample]) -> PhotoBatch:
     return gather_photos([one.photo for one in examples if one.photo is not None])
 
 
+@pytest.mark.slow
 def test_an_object_seen_often_is_learnt_by_heart():
     torch.manual_seed(0)
     network = SketchLosses(SketchNetwork(SIZES["tiny"]))

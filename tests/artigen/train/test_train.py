@@ -132,6 +132,7 @@ def test_latents_are_measured_with_their_spread():
     torch.testing.assert_close(spread, torch.full((2,), 2.5), atol=0.05, rtol=0)
 
 
+@pytest.mark.slow
 def test_the_decoder_learns_from_guesses_and_the_encoder_stays(
     tmp_path: Path, examples: list[StructureExample]
 ):

@@ -37,6 +37,7 @@ def test_every_category_of_the_grammar_is_drawn_by_the_sketch_network():
     assert not drawn.faults
 
 
+@pytest.mark.slow
 def test_a_microwave_has_the_parts_that_are_asked_for():
     model = load_structure_model(SHIPPED)
     shape = draw_shape("Microwave", 3, Wish(counts=(("door", 1), ("handle", 1), ("knob", 2))))

@@ -34,6 +34,7 @@ def test_only_gravity_gives_the_world_a_direction():
     assert np.abs(tilted - straight).max() > 0.1
 
 
+@pytest.mark.slow
 def test_it_learns_what_is_always_done(tmp_path):
     rng, step = np.random.default_rng(0), np.linspace(-0.2, 0.2, 7)
     names = {"tcp_pose": 7, "open_fraction": 1, "grip_position": 3, "tcp_to_grip": 3, "pull_direction": 3}

@@ -60,6 +60,7 @@ def test_parameters_are_passed_on_and_unknown_ones_are_told():
         read_options("threshold")
 
 
+@pytest.mark.slow
 def test_a_tool_that_takes_too_long_is_ended():
     fine = solid_triangles(Solid.sphere(0.1, 400) - Solid.sphere(0.09, 400) - Solid.cube((1, 1, 1)))
     with pytest.raises(DecompositionFailed, match=r"took more than .* raise --budget"):

@@ -154,6 +154,7 @@ def test_chosen_poses_differ_and_are_taken_from_one_end_where_the_middle_leaves_
     assert spread_poses(T, 1, least=3).tolist() == [0]
 
 
+@pytest.mark.slow
 def test_a_dial_near_the_worktop_takes_several_strokes_with_room_along_each():
     package = artigen.sample("Toaster", seed=8100).package
     dial = next(target for target in find_targets(package) if target.part == "browning")

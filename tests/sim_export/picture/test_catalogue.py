@@ -39,6 +39,14 @@ def test_a_red_cube_is_red_in_the_middle_and_its_surroundings_are_grey():
     assert np.abs(seen - picture(cube())).mean() < 3  # noise
 
 
+@pytest.mark.parametrize("margin", [0.05, 0.4])
+def test_no_light_is_in_the_picture_however_much_it_shows_around_the_object(margin: float):
+    surface = cube()
+    frame = Viewpoint(width=48, height=48, azimuth=40.0, elevation=25.0, margin=margin)
+    seen = render_catalogue([surface], place_camera(surface_points([surface]), frame), -0.5, FAST)
+    assert seen[:6].min() > 90
+
+
 def test_a_texture_stands_upright_and_a_clear_cube_shows_what_is_behind():
     stripes = np.zeros((2, 2, 3), dtype=np.uint8)
     stripes[0, :, 0], stripes[1, :, 2] = 200, 200

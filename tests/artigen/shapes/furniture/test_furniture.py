@@ -455,6 +455,7 @@ def test_closed_sides_are_between_the_legs_and_leave_the_front_open() -> None:
     assert (np.abs(corners[:, :2]).max(axis=0) <= (0.3, 0.6)).all()
 
 
+@pytest.mark.slow
 def test_tables_have_tops_of_all_kinds_and_bars() -> None:
     seen: set[str] = set()
     for seed in range(160):

@@ -421,6 +421,7 @@ def fit(example: AppearanceExample, folder: Path) -> AppearanceVae:
     return vae
 
 
+@pytest.mark.slow
 def test_training_lowers_the_loss_and_goes_on_as_if_never_stopped(
     tmp_path: Path, chest: tuple[Asset, AppearanceExample], monkeypatch: pytest.MonkeyPatch
 ):

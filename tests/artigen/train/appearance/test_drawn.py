@@ -84,6 +84,7 @@ def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do(microwave, model:
     assert 0.8 < len(drawn.rows) / len(drawn.coords) < 1.0
 
 
+@pytest.mark.slow
 def test_resurfaced_voxels_are_those_that_an_object_is_generated_on(microwave, model: StructureModel):
     asset, facings, plain = microwave
     made = []

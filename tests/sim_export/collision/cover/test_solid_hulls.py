@@ -113,6 +113,7 @@ def test_hulls_leave_cavities_open(covered, name):
     assert np.mean(~inside_hulls(points, covered[name])) >= OPEN
 
 
+@pytest.mark.slow
 def test_hulls_repeat_and_are_the_same_anywhere(covered):
     for one, two in zip(make_hulls(SOLIDS["pot"]), covered["pot"], strict=True):
         np.testing.assert_array_equal(one.vertices, two.vertices)
