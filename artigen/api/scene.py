@@ -134,16 +134,11 @@ def furnish_room(
             usd-core is missing where it is needed.
     """
     from envs.rooms.catalogue import read_catalogue
-    from sim_export.picture.tracing import require_mitsuba
-    from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
     if kind not in FAMILIES:
         raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(FAMILIES)}")
-    if "usd" in formats:
-        require_usd()
-    if pictures == "daylight":
-        require_mitsuba()
+    check_extras(formats, pictures)
     cfg = replace(cfg, place=read_places(cfg.place))
     wanted = check_settings(kind, seed, cfg)
     if packages is not None and cfg.family is not None:
@@ -157,6 +152,21 @@ def furnish_room(
     else:
         catalogue = read_catalogue(packages)
     return furnish_from(kind, out, seed, catalogue, cfg, formats=formats, pictures=pictures)
+
+
+def check_extras(formats: tuple[SceneFormat, ...], pictures: Pictures) -> None:
+    """Checks that what formats and pictures need is installed.
+
+    Raises:
+        ArtigenError: If it is not.
+    """
+    from sim_export.picture.tracing import require_mitsuba
+    from sim_export.usd.write import require_usd
+
+    if "usd" in formats:
+        require_usd()
+    if pictures == "daylight":
+        require_mitsuba()
 
 
 def read_places(words: Sequence[str]) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from artigen.api.scene import (
     Pictures,
     SceneFormat,
     SceneSettings,
+    check_extras,
     check_settings,
     choose_family,
     draw_packages,
@@ -108,6 +109,7 @@ def make_scenes(
             f"{count} scenes of {len(kinds)} kinds with seed {seed} in {suites} suites, {per_shard} a shard:"
             " expected at least one scene, kind and suite, and a seed and a number per shard from 0"
         )
+    check_extras(formats, pictures)
     cfg = cfg or SceneSettings()
     cfg = replace(cfg, place=read_places(cfg.place))
     wanted = dict.fromkeys(each for kind in kinds for each in check_settings(kind, seed, cfg))

@@ -1,6 +1,7 @@
 """Many scenes from one library: kept when run again, counted on a page, packed as they are."""
 
 import json
+import sys
 import tarfile
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from box_furniture import FURNITURE, write_proven
 
 from artigen.api.batch import Part
+from artigen.api.scene import furnish_room
 from artigen.api.scenes import make_scenes
 from artigen.datasets.packing import digest_file, read_folder, read_members
 from artigen.errors import ArtigenError
@@ -97,3 +99,16 @@ def test_a_scene_that_cannot_be_is_reported_and_the_others_are_made(library: Pat
     assert page.rstrip().endswith("(laundry_000000, laundry_000001)")
     with pytest.raises(ArtigenError, match="0 scenes"):
         make_scenes(KINDS, 0, tmp_path, runner=HERE)
+
+
+def test_pictures_by_daylight_are_refused_before_any_work_where_nothing_traces_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setitem(sys.modules, "mitsuba", None)
+    for furnish in (
+        lambda: make_scenes(("kitchen",), 1, tmp_path, pictures="daylight", runner=HERE),
+        lambda: furnish_room("kitchen", tmp_path, pictures="daylight"),
+    ):
+        with pytest.raises(ArtigenError, match=r"artigen\[mitsuba\]"):
+            furnish()
+    assert not list(tmp_path.iterdir())
