@@ -19,6 +19,8 @@ BULB = 0.09
 """Radius (m) of a lamp."""
 WARM = (1.0, 0.83, 0.62)
 """Linear colour of lamps."""
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Share of linear red, green and blue in luminance (ITU-R BT.709)."""
 MIDDLE, WHITE = 0.42, 12.0
 """Luminance that the middle of all pixels gets, and the one that becomes white."""
 
@@ -60,8 +62,8 @@ def render_daylight(
 def develop(image: Float[np.ndarray, "H W 3"]) -> UInt8[np.ndarray, "H W 3"]:
     """Linear radiance as sRGB: the median luminance becomes `MIDDLE`, and bright values are compressed so
     that `WHITE` is white (Reinhard et al. 2002, equation 4)."""
-    luminance = image @ np.array([0.2126, 0.7152, 0.0722])
-    shown = image * (MIDDLE / max(float(np.median(luminance)), 1e-9))
-    level = np.maximum(shown @ np.array([0.2126, 0.7152, 0.0722]), 1e-9)[..., None]
-    shown = shown * (1.0 + level / WHITE**2) / (1.0 + level)
-    return np.rint(255.0 * np.clip(srgb_from_linear(np.clip(shown, 0.0, 1.0)), 0.0, 1.0)).astype(np.uint8)
+    luminance = image @ LUMINANCE
+    exposure = MIDDLE / max(float(np.median(luminance)), 1e-9)
+    level = np.maximum(exposure * luminance, 0.0)[..., None]
+    shown = exposure * image * (1.0 + level / WHITE**2) / (1.0 + level)
+    return np.rint(255.0 * srgb_from_linear(np.clip(shown, 0.0, 1.0))).astype(np.uint8)

@@ -43,6 +43,8 @@ from artigen.shapes.surfaces.materials import (
 )
 
 Theme = Literal["furniture", "appliance"]
+PANES = (((0.012, 0.03), (0.7, 0.95)), ((0.03, 0.1), (0.3, 0.6)), ((0.3, 0.6), (0.45, 0.8)))
+"""Shade (sRGB) and opacity of panes in doors."""
 PALETTE_ROLES = (
     "body", "front", "inside", "top", "handle", "glass", "rubber", "steel", "accent", "panel", "plastic",
     "leg", "drawer", "cavity", "clear",
@@ -231,7 +233,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _draw_pane(rng: np.random.Generator) -> Finish:
     """Glass of a door: a dark one, a smoked one, or a grey screen behind a clear one."""
-    drawn = float(rng.uniform(0.0, 3.0))
+    drawn = float(rng.uniform(0.0, 3.0))  # decides all three, so that the draws after it stay
     shade, opacity = PANES[int(drawn)]
     share = drawn % 1.0
     grey = round(shade[0] + (shade[1] - shade[0]) * ((7 * share) % 1.0), 3)
@@ -263,8 +265,6 @@ def _retro_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Fi
     return enamel, enamel, make_metal("chrome", seed)
 
 
-PANES = (((0.012, 0.03), (0.7, 0.95)), ((0.03, 0.1), (0.3, 0.6)), ((0.3, 0.6), (0.45, 0.8)))
-"""Shade (sRGB) and opacity of panes in doors."""
 APPLIANCES = {"steel": _steel_look, "white": _white_look, "black": _black_look, "retro": _retro_look}
 """Looks of appliances: housing, front and handle."""
 
